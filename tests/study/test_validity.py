@@ -24,8 +24,8 @@ from workbench.study.validity import (
     advice_rows,
     checked,
     errors_of,
+    held_out_of,
     ranking_rows,
-    unseen_of,
     validity_rows,
 )
 
@@ -78,7 +78,7 @@ def tables_of(study: Study, ends: dict[tuple[str, str], str]) -> dict[str, pd.Da
 
 
 def test_rules_find_the_bound_name_the_better_model_and_hold_on_unseen_columns(study) -> None:
-    tables, unseen = tables_of(study, {}), unseen_of(study)
+    tables, unseen = tables_of(study, {}), held_out_of(study)
     assert len(unseen) == COUNT // 5
     found = validity_rows(study, tables, unseen)
     rows = [row for row in found if row["options"] == "stiffness=4000000.0"]
@@ -133,7 +133,7 @@ def test_advice_takes_no_model_that_is_as_far_off_to_either_side(study, wrong: f
     (row,) = advice_rows(study, tables)
     assert (row["label"], row["within"], row["count"]) == ("good", row["count"], 48)
     assert row["right"] == row["asked"] == 12
-    rules = {row["options"]: row for row in validity_rows(study, tables, unseen_of(study))}
+    rules = {row["options"]: row for row in validity_rows(study, tables, held_out_of(study))}
     soft = rules["stiffness=4000000.0"]
     assert (soft["low"], soft["high"]) == ((48, 0) if wrong < 1.0 else (0, 48))
 
@@ -205,4 +205,4 @@ def test_the_verb_writes_the_table_and_says_how_the_trees_did(
     assert len(written) == told["rows"]
     assert set(written["study"]) == {"rules"}
     assert run(["data", "rules", "rules", "--out", str(tmp_path)]) == 0
-    assert "answers that the trees had not seen" in capsys.readouterr().out
+    assert "answers on hold-out columns" in capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""The error budget of an answer: what each source of error leaves open, and all of them together.
+"""The error budget of an answer: what each source of error leaves open, and the total.
 
 Terms are changes of the answer on its log scale, where factors add. A term moves the answer by its
 `shift` (a measured bias) and leaves it open by `below` and `above`, half-widths of `COVERAGE`.

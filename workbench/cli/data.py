@@ -156,20 +156,20 @@ def rules(
 ) -> Answer:
     """Find the rules of validity in a stored study of drawn columns, and check them.
 
-    A small tree per model tells regions in which its peak is off; columns that the study marks
-    as unseen check it. Writes the table from which models warn, and what the columns span.
+    A small tree per model tells regions in which its peak is off; the hold-out columns
+    of the study check it. Writes the table from which models warn, and what the columns span.
     """
     from workbench.evidence.measured import RANGES, TABLE
     from workbench.study import assess, load_study
     from workbench.study.model_form import RANGE_COLUMNS, range_rows
     from workbench.study.tables import table
-    from workbench.study.validity import VALIDITY_COLUMNS, checked, unseen_of, validity_rows
+    from workbench.study.validity import VALIDITY_COLUMNS, checked, held_out_of, validity_rows
 
     chosen = load_study(study).study
     tables = assess(chosen, Path(store), earlier=earlier).tables
-    unseen = unseen_of(chosen)
-    rows = table(validity_rows(chosen, tables, unseen), VALIDITY_COLUMNS)
-    checks = list(checked(chosen, tables, unseen))
+    held_out = held_out_of(chosen)
+    rows = table(validity_rows(chosen, tables, held_out), VALIDITY_COLUMNS)
+    checks = list(checked(chosen, tables, held_out))
     path, _ = _written({TABLE: rows, RANGES: table(range_rows(chosen), RANGE_COLUMNS)}, out)
     right, asked = (sum(row[name] for row in checks) for name in ("right", "asked"))
     text = f"{len(rows)} regions of {len(checks)} models in {path}."

@@ -83,14 +83,14 @@ def classes_of(errors: Array) -> Indices:
     return np.asarray(np.digitize(errors, [-BEYOND, BEYOND]), dtype=np.int64)
 
 
-def validity_rows(study: Study, tables: Tables, unseen: set[str]) -> Iterator[Row]:
-    """A row for every region of every model, from all columns but the `unseen` ones."""
+def validity_rows(study: Study, tables: Tables, held_out: set[str]) -> Iterator[Row]:
+    """A row for every region of every model, from all columns but the `held_out` ones."""
     errors, points = errors_of(study, tables), points_of(study)
     versions = dict(zip(tables["cells"]["label"], tables["cells"]["model_version"], strict=True))
     within = errors.abs() <= BEYOND
     for label in map(str, errors):
         model, judged = study.models[label], errors[label].dropna()
-        judged = judged[~judged.index.isin(unseen)]
+        judged = judged[~judged.index.isin(held_out)]
         for leaf in leaves_of(judged, points):
             inside = judged.iloc[leaf.members]
             hits = within.loc[inside.index].sum()
@@ -115,7 +115,7 @@ def _words(study: Study, label: str) -> str:
     return f"{model.name} {variant_of(model)}".rstrip()
 
 
-def unseen_of(study: Study) -> set[str]:
+def held_out_of(study: Study) -> set[str]:
     """Hold-out columns, which a study leaves out of its rules: parameter `part` is ``unseen``."""
     return {case.name for case in study.cases if case.parameters.get("part") == "unseen"}
 
@@ -153,8 +153,8 @@ def advice_rows(study: Study, tables: Tables) -> Iterator[Row]:
     errors = errors[errors.index.isin(points)].dropna(how="all")
     costs = tables["cost"].set_index("label")["ratio"].reindex(errors.columns)
     errors = errors[costs.sort_values(kind="stable").index]
-    held_out = errors.index.isin(unseen_of(study))
-    seen, left = errors[~held_out], errors[held_out]
+    left_out = errors.index.isin(held_out_of(study))
+    seen, left = errors[~left_out], errors[left_out]
     if left.empty or len(seen) < LARGE_GROUP:
         return
     within, within_left = (each.abs() <= BEYOND for each in (seen, left))
@@ -180,13 +180,13 @@ def advice_rows(study: Study, tables: Tables) -> Iterator[Row]:
         }
 
 
-def checked(study: Study, tables: Tables, unseen: set[str]) -> Iterator[Row]:
-    """How often the tree of each model is right on its hold-out columns, the `unseen` ones."""
+def checked(study: Study, tables: Tables, held_out: set[str]) -> Iterator[Row]:
+    """How often the tree of each model is right on its hold-out columns."""
     points = points_of(study)
     for label, errors in errors_of(study, tables).items():
         judged = errors.dropna()
-        held_out = judged.index.isin(unseen)
-        seen, left = judged[~held_out], judged[held_out]
+        left_out = judged.index.isin(held_out)
+        seen, left = judged[~left_out], judged[left_out]
         leaves, classes = leaves_of(seen, points), classes_of(seen.to_numpy())
         right = 0
         for case, error in left.items():
