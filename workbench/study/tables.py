@@ -75,10 +75,10 @@ def _json(column: pd.Series) -> pd.Series:
 
 def write_table(path: Path, table: pd.DataFrame) -> None:
     """Write ``path.nc`` and ``path.csv``. Raises `InputError` if they cannot be written."""
-    variables = {}
+    variables, lists = {}, _lists_in(table)
     for number, (name, column) in enumerate(table.items()):
         values, attributes = column.to_numpy(), {"long_name": str(name)}
-        if name in _lists_in(table):
+        if name in lists:
             values, attributes["format"] = _json(column).to_numpy().astype(str), "json"
         elif column.dtype.kind not in "fi":
             values = values.astype(str)
