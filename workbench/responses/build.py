@@ -115,13 +115,13 @@ def response_of(
     variables: dict[Any, xr.Variable] = {}
     sizes: dict[Any, int] = {}
     indexes: dict[Any, Any] = {}
-    for name, (dims, values, attributes) in arrays.items():
+    for name, (dims, values, of_variable) in arrays.items():
         sizes.update(zip(dims, values.shape, strict=True))
         if dims == (name,):
             words = values.astype(str) if values.dtype == object else values
-            indexes[name], variables[name] = axis_of(name, words, attributes)
+            indexes[name], variables[name] = axis_of(name, words, of_variable)
         else:
-            variables[name] = variable_of(xr.Variable, dims, values, dict(attributes))
+            variables[name] = variable_of(xr.Variable, dims, values, dict(of_variable))
     return xr.Dataset._construct_direct(variables, set(indexes), sizes, dict(attributes), indexes)
 
 

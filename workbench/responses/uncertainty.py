@@ -191,7 +191,7 @@ def check_stored(response: Response) -> None:
     numbers: list[Any] = []
     for finding in findings_of(response):
         texts += (finding.subject, finding.text, finding.remedy)
-        numbers.append(finding.number)
+        numbers += (finding.number, finding.limit)
     collapse = collapse_of(response)
     if collapse is not None:
         texts += collapse.parts

@@ -79,7 +79,7 @@ _DERIVED = (
 )
 _FINDING = (
     texts("case", "label", "model", "subject", "severity", "sentence", "remedy")
-    | numbers("number")
+    | numbers("number", "limit")
     | lists("instead")
 )
 _COMPARISON = (
