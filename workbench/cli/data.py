@@ -2,7 +2,7 @@
 
 import dataclasses
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -240,7 +240,7 @@ def _printed(text: str, as_json: bool) -> Answer:
 @verb
 def impact_tests(as_json: Json = False) -> Answer:
     """A table of impact tests on steel members, commented, with an example: for `data add`."""
-    from workbench.impact_tests.schema import TEMPLATE
+    from workbench.impact_tests.rows import TEMPLATE
 
     return _printed(TEMPLATE.text, as_json)
 
