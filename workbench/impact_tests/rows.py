@@ -19,8 +19,7 @@ from workbench.evidence import Dataset, dataset, datasets
 from workbench.evidence.catalogue import IMPACT_TESTS, SYNTHETIC
 from workbench.scenarios import ColumnImpact, scenario_from, scenario_hash
 from workbench.studs.reading import examine
-from workbench.studs.schema import Row, RowFinding, Table, declared, known
-from workbench.studs.schema import templates_in
+from workbench.studs.schema import Row, RowFinding, Table, declared, known, templates_in
 
 # measured quantities: response variable, column, and column of its half-width
 MEASURED = {
