@@ -72,7 +72,7 @@ def test_a_laboratory_without_damaged_tests_gets_its_own_stud(
     )
     monkeypatch.setattr("workbench.studs.answers.calibrated", lambda scenario: model)
     short = partial(residual_curve, levels=(0.0, 0.5), spread={})
-    monkeypatch.setattr("workbench.studs.mechanical.calibration_curve", short)
+    monkeypatch.setattr("workbench.studs.mechanical.residual_curve", short)
     file = tmp_path / "lab.csv"
     rows = table((16, 90, 40, 480), (16, 90, 40, 480), (16, 90, 40, 480))
     rows.assign(shear_kN=[88.0, 90.0, 92.0], use_for_fit=1).to_csv(file, index=False)

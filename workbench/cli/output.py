@@ -5,7 +5,7 @@ import inspect
 import json
 import os
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -35,14 +35,12 @@ class InterruptedByUserError(Exception):
 class Answer(NamedTuple):
     """What a verb found: the `content` of its JSON object, the same as `blocks`, its exit status.
 
-    `blocks` may be a generator: it does no work where JSON is asked for. `rows`, tables of the
-    input that it rests on, for a report.
+    `blocks` may be a generator: it does no work where JSON is asked for.
     """
 
     content: Mapping[str, Any]
     blocks: Iterable[Block] = ()
     status: int = 0
-    rows: Sequence[Any] = ()
 
 
 def verb(function: Callable[..., Answer]) -> Callable[..., int]:
