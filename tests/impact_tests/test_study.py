@@ -19,7 +19,7 @@ from workbench.evidence import dataset
 from workbench.intake import add_table
 from workbench.report.build import build_report, document, summary
 from workbench.report.chapters.answer import in_brief
-from workbench.report.chapters.measured import footnote
+from workbench.report.chapters.results import footnote
 from workbench.report.stored import Stored
 from workbench.study import Study, load_study, run_study
 from workbench.study.assess import Assessment, assess

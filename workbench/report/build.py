@@ -17,7 +17,6 @@ from workbench.report.chapters import (
     configuration,
     integrators,
     limits,
-    measured,
     results,
     stud_study,
     verdicts,
@@ -90,7 +89,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
     parts: list[Section | None] = [
         answer.answer(study, stored, decisive, more),
         choice.ranking(stored),
-        measured.validation(study, stored),
+        results.validation(study, stored),
         verdicts.verdicts(stored),
         limits.collapses(stored),
         limits.missing(study, stored),
@@ -111,7 +110,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         f"study: {study.name}",
     )
     whole = Document(study.title, "Validation report", facts, sections)
-    return whole.marked(measured.MARK) if stored.synthetic else whole
+    return whole.marked(results.MARK) if stored.synthetic else whole
 
 
 def summary(stored: Stored, target: Path) -> Path:
@@ -146,7 +145,7 @@ def summary(stored: Stored, target: Path) -> Path:
     )
     page = target / "README.md"
     content = Document(study.title, "", facts, tuple(sections))
-    content = content.marked(measured.MARK) if stored.synthetic else content
+    content = content.marked(results.MARK) if stored.synthetic else content
     write_atomically(page, render_markdown(content).encode())
     return page
 

@@ -8,7 +8,7 @@ from workbench.assessment.budget import PEAK, RESIDUAL
 from workbench.content.formatting import duration, part, percent, title_of
 from workbench.content.page import Page
 from workbench.content.tree import ABSENT, Block, Cell, Column, Picture, Section, Table, marked
-from workbench.report.chapters import choice, configuration, measured, verdicts
+from workbench.report.chapters import choice, configuration, results, verdicts
 from workbench.report.chapters.budgets import budgets
 from workbench.report.chapters.choice import FAIR, Row
 from workbench.report.stored import BEST, CellState, Stored
@@ -47,8 +47,8 @@ def answer(
         title="The answer" if content or rest else "What was asked",
         question=study.question,
         hit=configuration.subject(study),
-        synthetic=measured.synthetic(stored),
-        footnote=measured.footnote(study, stored),
+        synthetic=results.synthetic(stored),
+        footnote=results.footnote(study, stored),
         content=[*content, *rest],
     )
 
@@ -112,8 +112,8 @@ def matrix(study: Study, stored: Stored, pictures: Iterable[Picture] = ()) -> tu
 def in_brief(study: Study, stored: Stored) -> tuple[Block, ...]:
     """The matrix and the verdicts, as they stand on a terminal and in the summary."""
     blocks = (*matrix(study, stored), *verdicts.in_brief(stored))
-    synthetic = measured.synthetic(stored)
-    return marked((*synthetic, *blocks), measured.MARK) if stored.synthetic else blocks
+    synthetic = results.synthetic(stored)
+    return marked((*synthetic, *blocks), results.MARK) if stored.synthetic else blocks
 
 
 def _name(study: Study, label: str) -> str:

@@ -1,5 +1,6 @@
-"""Tables of numbers, how well the reference itself is known, and what the answers cost."""
+"""Models over tests, tables of numbers, how well the reference is known, what answers cost."""
 
+import json
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from math import nan
@@ -24,13 +25,51 @@ from workbench.report.stored import BEST, Stored
 from workbench.responses.uncertainty import sampled_interval
 from workbench.study.assess import width_of
 from workbench.study.definition import DATA, Study, holds_data
+from workbench.study.validation import MEASURED
 
+MARK = "SYNTHETIC, no tests: "  # before every caption of a report that shows made numbers
 _PRINTED = 40
 PAGE = Page(__file__, printed=_PRINTED, duration=duration)
 _ONE_LINE = 3  # columns up to which value and deviation share a line
 _WIDEST = 6  # cases side by side
 _MEASURED = (*DATA, "stud-measured")
 _BEAMS = ("fiber-reissner", "fiber-corotational", "fiber-shear")
+
+
+def synthetic(stored: Stored) -> tuple[Block, ...]:
+    """That numbers are made, where they are."""
+    return PAGE.blocks("synthetic") if stored.synthetic else ()
+
+
+def footnote(study: Study, stored: Stored) -> tuple[Block, ...]:
+    """That nothing was measured, where a study of impacts has no test."""
+    struck = any(hasattr(case.scenario, "striker") for case in study.cases)
+    return PAGE.blocks("footnote") if struck and (stored.synthetic or not _tests(study)) else ()
+
+
+def _tests(study: Study) -> list[str]:
+    return [label for label, model in study.models.items() if model.name == MEASURED]
+
+
+def validation(study: Study, stored: Stored) -> Section | None:
+    """Bias, scatter and coverage over tests, and the sources of the tests; None without tests."""
+    rows = stored.rows["validation"]
+    return PAGE.section("validation", rows=rows, sources=_sources(study, stored) if rows else [])
+
+
+def _sources(study: Study, stored: Stored) -> list[dict[str, Any]]:
+    """Where the tests are from, as stored with the answers."""
+    datasets: dict[str, dict[str, Any]] = {}
+    for case in study.cases:
+        for label in _tests(study):
+            response = stored.response(case.name, label)
+            if response is None:
+                continue
+            given = json.loads(response.attrs["data"])
+            for entry in given["datasets"]:
+                known = datasets.setdefault(entry["name"], {**entry, "tests": 0})
+                known["tests"] += len(given["tests"])
+    return list(datasets.values())
 
 
 def numbers(study: Study, stored: Stored) -> Section | None:

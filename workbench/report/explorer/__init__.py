@@ -14,7 +14,7 @@ from markupsafe import Markup
 from workbench.content.documents import STYLE, templates
 from workbench.content.formatting import count
 from workbench.content.tree import Callout, Cell, Table
-from workbench.report.chapters import answer, choice, measured
+from workbench.report.chapters import answer, choice, results
 from workbench.report.drawing.frame import DIRECTIONS
 from workbench.report.drawing.layout import frame_scenario_of
 from workbench.report.drawing.shapes import REST, YIELDING, rest_lines
@@ -54,8 +54,8 @@ def explorer(study: Study, stored: Stored, largest: int = LARGEST) -> str | None
     cases = tuple(_cases(study, stored))
     if not any(cell.record for case in cases for cell in case.answers):
         return None
-    made = [block.text for block in measured.synthetic(stored) if isinstance(block, Callout)]
-    title = f"{measured.MARK if made else ''}{study.title}"
+    made = [block.text for block in results.synthetic(stored) if isinstance(block, Callout)]
+    title = f"{results.MARK if made else ''}{study.title}"
     matrix, models, text = _matrix(stored, study), _models(study), ""
     shown = {"study": study, "title": title, "made": made, **_seen(study, cases, matrix, models)}
     fixed = _fixed(study, stored.synthetic, matrix, models)
