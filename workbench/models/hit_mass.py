@@ -6,8 +6,8 @@ the share l_i / L of the column, gives
 
   [1 - (1 - v_s / v0) (1 - f) - (1 - E_el (1 + mu) / E) g] m l_i / L,   g at most 1,
 
-f = (1 - r) (1 + mu) / (1 - r + mu) what is lost of that where webs slide from the velocity v_s on,
-r V_pl the shear force of the mechanism; g = 2 t M / (m l v0) the work that the far hinge, of moment
+f = (1 - r) (1 + mu) / (1 - r + mu) what is lost of that where webs yield in shear, from the
+velocity v_s on, r V_pl the shear force of the mechanism; g = 2 t M / (m l v0) the work that the far hinge, of moment
 M, does not do before it feels the hit, after t = pi / (2 omega) of the first mode of the bar,
 hinged where it is hit and clamped behind; E_el the elastic energy at the mechanism. The column
 gives never less than a piece as long as its section is high. Derivation, what the rule does to bias
@@ -42,13 +42,13 @@ def wave_mass(scenario: ColumnImpact) -> float:
     column, properties = scenario.column, scenario.column.properties
     lumped, demand = properties.impact_mass, mechanism_demand(column)
     ratio = lumped / scenario.striker.mass
-    sliding = max(0.0, 1.0 - front_velocity(scenario) / scenario.striker.velocity)
+    yielding = max(0.0, 1.0 - front_velocity(scenario) / scenario.striker.velocity)
     plastic = 1.0 - elastic_energy(column) * (1.0 + ratio) / scenario.input_energy
     shared = 0.0
     for bar, (length, clamped) in column.bars.items():
         left = max(0.0, 1.0 - demand[bar])  # of V_pl, to bring the bar to speed
         lost = left * (1.0 + ratio) / (left + ratio)
-        share = 1.0 - sliding * (1.0 - lost)
+        share = 1.0 - yielding * (1.0 - lost)
         if clamped:
             share -= max(0.0, plastic) * late_work(scenario, length)
         shared += max(0.0, share) * length / column.length
