@@ -7,11 +7,11 @@ the share l_i / L of the column, gives
   [1 - (1 - v_s / v0) (1 - f) - (1 - E_el (1 + mu) / E) g] m l_i / L,   g at most 1,
 
 f = (1 - r) (1 + mu) / (1 - r + mu) what is lost of that where webs yield in shear, from the
-velocity v_s on, r V_pl the shear force of the mechanism; g = 2 t M / (m l v0) the work that the far hinge, of moment
-M, does not do before it feels the hit, after t = pi / (2 omega) of the first mode of the bar,
-hinged where it is hit and clamped behind; E_el the elastic energy at the mechanism. The column
-gives never less than a piece as long as its section is high. Derivation, what the rule does to bias
-and scatter, and where the argument is weak: docs/theory/hit-mass.md.
+velocity v_s on, r V_pl the shear force of the mechanism; g = 2 t M / (m l v0) the work that the far
+hinge, of moment M, does not do before it feels the hit, after t = pi / (2 omega) of the first mode
+of the bar, hinged where it is hit and clamped behind; E_el the elastic energy at the mechanism. The
+column gives never less than a piece as long as its section is high. Derivation, what the rule does
+to bias and scatter, and where the argument is weak: docs/theory/hit-mass.md.
 """
 
 from dataclasses import replace
