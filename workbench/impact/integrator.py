@@ -39,6 +39,7 @@ import numpy as np
 
 from workbench.compiled import njit
 from workbench.impact.contact import (
+    called,
     contact_loss,
     contact_step_of,
     explicit_percussion,
@@ -193,7 +194,7 @@ def march_of(model: Model, longer: float = LONGER) -> Any:
     calm, coast, step = model.calm or never, model.coast or no_coast, model.step
     step = step or contact_step_of(model.hit, model.solve)
 
-    @inner
+    @called
     def record(s, pace, progress, records, n):
         """Write the committed state as row n."""
         write(s, records, n)
@@ -227,7 +228,7 @@ def march_of(model: Model, longer: float = LONGER) -> Any:
     @inner
     def march(s, pace, progress, records):
         n, end_time, controlled = 0, pace.duration * (1.0 - 1e-12), pace.error < np.inf
-        apart = APART * progress.approach
+        slowest = APART * progress.approach
         if not progress.begun:
             progress.begun, progress.highest = True, hit(s)[0]
             record(s, pace, progress, records, 0)
@@ -245,7 +246,7 @@ def march_of(model: Model, longer: float = LONGER) -> Any:
                 own > 0.0
                 and (controlled or progress.time == 0.0)
                 and gap <= slack
-                and gamma < -apart
+                and gamma < -slowest
             ):
                 e = progress.restitution
                 e = e if -gamma * e > SOFT * progress.approach else 0.0
@@ -285,7 +286,7 @@ def march_of(model: Model, longer: float = LONGER) -> Any:
             acceleration = (end - speed) / dt
             change = acceleration - progress.acceleration
             place1 = place + 0.5 * dt * (speed + end)
-            struck = impulse > 0.0 and gamma < -apart
+            struck = impulse > 0.0 and gamma < -slowest
             if struck:  # the first step again
                 progress.error = pace.error
             else:

@@ -21,12 +21,8 @@ class Run(NamedTuple):
 
     @property
     def histories(self) -> dict[str, Array]:
-        """The columns of the records as arrays of their own, time last."""
-        flat = self.records.view(float).reshape(len(self.records), -1).T.copy()
-        return {
-            name: flat[at // 8 : at // 8 + prod(of.shape)].reshape(*of.shape, -1)
-            for name, (of, at) in self.records.dtype.fields.items()
-        }
+        """The columns of the records."""
+        return histories_of(self.records)
 
     def peak(self, bounces: bool = False) -> dict[str, float]:
         """Largest displacement at which the hit point stood still, and when; empty without one.
@@ -68,3 +64,12 @@ def check_end(status: int, reached: Any, pace: Pace) -> None:
         if status == TOO_MANY:
             tried = f"{pace.most} steps; a softer or heavier structure needs fewer"
         raise SolverError(where, float(reached["residual"]), tried)
+
+
+def histories_of(records: Any) -> dict[str, Array]:
+    """The columns of a table of numbers as arrays of their own, time last."""
+    flat = records.view(float).reshape(len(records), -1).T.copy()
+    return {
+        name: flat[at // 8 : at // 8 + prod(of.shape)].reshape(*of.shape, -1)
+        for name, (of, at) in records.dtype.fields.items()
+    }

@@ -9,7 +9,7 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.impact.laws import Restitution
 from workbench.impact.problems import Problem
-from workbench.models.four_dof import FourDof, dynamics, statics
+from workbench.models.four_dof import FourDof, equations, statics
 from workbench.models.four_dof.kinematics import BETA, U1, U2, V
 from workbench.scenarios import Column
 from workbench.sections import find
@@ -75,7 +75,7 @@ class ColumnSystem(_Struck):
         self._work["q0"][:] = self._committed["q"][0]
         self._work["stress0"][:] = self._committed["stress"][0]
         trial = self._at(q1)
-        dynamics.mean_forces(self.column, trial, self._work)
+        equations.mean_forces(self.column, trial, self._work)
         return np.append(self._work["mean"][_MOVING], 0.0), 0.5 * self._tangent()
 
     def commit(self, q: Array) -> None:

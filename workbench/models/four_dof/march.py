@@ -1,31 +1,71 @@
-"""Stepping through the impact of a column: as long as the error allows, or steps of one length.
+"""The impacted column as the integrator of `workbench.impact` takes it (Heng 2017, chapter 3).
 
-Controlled steps hold two measures: the error of the displacement, see `workbench.impact.pace`; and
-hinges that flow, whose forces are those at the end of a step (backward Euler), may flow by no more
-than `flow` times their elastic deformation at yielding. Axial vibrations of the masses are not
-resolved: the midpoint rule keeps their energy at any step. Records are merged to what a plot needs.
+The impact mass m1 moves with v1 and u1, the head mass m2 (may be zero) with u2; beta1 is massless.
+Steps hold the error of the displacement, see `workbench.impact.pace`; and hinges that flow, whose
+forces are those at the end of a step (backward Euler), may flow by no more than `flow` times their
+elastic deformation at yielding. Axial vibrations of the masses are not resolved: the midpoint rule
+keeps their energy at any step.
 """
 
 import numpy as np
 
 from workbench.compiled import njit
 from workbench.frames.collapse_watch import COLLAPSE_CONTRACTION, COLLAPSE_SIDEWAYS
-from workbench.impact.pace import PIECES, aimed, growth
-from workbench.models.four_dof import dynamics, panels, statics
+from workbench.impact.contact import called, inner, moreau_step_of
+from workbench.impact.integrator import COMMON, Model, begin, march_of, no_flow
+from workbench.models.four_dof import panels, statics
+from workbench.models.four_dof.equations import TwoBars, newton, predict
 from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.structures.kernels import copy
 
 # residual over the squash load that one more Newton step removes: of controlled, of equal steps
 _NEARLY, _CLOSELY = 2e-5, 1e-6
-TOO_MANY = 3  # status beside those of `statics`
+RECORD = np.dtype(
+    [
+        *((name, float) for name in (*COMMON, "force", "elastic", "dissipated")),
+        *(("q", float, 4), ("stress", float, (2, 4)), ("plastic", float, (2, 4))),
+    ]
+)
 
 
-@njit(cache=True, error_model="numpy")
-def flown(column, start, end):
-    """Largest plastic deformation of a hinge between two states over its elastic one at yielding.
+@inner
+def hit(s):
+    """Displacement v1 and its velocity."""
+    return s.states[0].q[V], s.states[0].w[V]
+
+
+@called
+def solve(s, dt, closed, touch, striker):
+    """A midpoint step; where Newton fails, again with the rotation balanced inside."""
+    statics.assign(s.states[0], s.states[1])
+    now, work = s.states[0], s.room[0]
+    copy(now.q, work.q0)
+    copy(now.w, work.w0)
+    copy(now.stress, work.stress0)
+    copy(now.turn, work.turn0)
+    work.inertia = 2.0 * s.columns[0].mass[V] + s.columns[0].mass[U2] + striker
+    done, residual, total = False, np.inf, 0
+    for nested in range(2):
+        work.nested = nested
+        predict(s, dt, closed, touch, striker)
+        done, residual, count = newton(s, dt, closed, touch, striker)
+        total += count
+        if done:
+            break
+    trial = s.states[1]
+    for i in range(4):
+        trial.w[i] = 2.0 * work.moved[i] / dt - work.w0[i]
+    return done, trial.w[V], residual, total
+
+
+@called
+def settle(s, dt):
+    """Plastic flow; the largest one of a hinge over its elastic deformation at yielding.
 
     Webs that slide are held by the hinges that turn with them.
     """
+    column, start, end = s.columns[0], s.states[0], s.states[1]
+    statics.commit(column, s.room[0].stress0, end, s.room[0])
     most = 0.0
     for bar in range(2):
         for j in range(3):
@@ -33,6 +73,42 @@ def flown(column, start, end):
             flow = abs(end.plastic[bar, j] - start.plastic[bar, j])
             most = max(most, flow * column.stiffness[bar, j] / strength)
     return most
+
+
+@called
+def accept(s, dt):
+    """Commit the trial, and what the next first guess starts from."""
+    now, trial, work = s.states[0], s.states[1], s.room[0]
+    for i in range(4):
+        work.rate[i] = (trial.q[i] - now.q[i]) / dt
+    statics.assign(s.states[1], s.states[0])
+    at_place(s)
+
+
+@called
+def at_place(s):
+    """Forces and energy of the committed state, which was evaluated last."""
+    copy(s.room[0].F, s.room[0].F0)
+    copy(s.room[0].K, s.room[0].K0)
+    s.states[0].force = s.room[0].F[V]
+    statics.store(s.columns[0], s.states[0])
+
+
+@called
+def write(s, records, n):
+    """Places, forces, plastic deformations, energies."""
+    row, now, m = records[n], s.states[0], s.columns[0].mass
+    copy(now.q, row.q)
+    copy(now.stress, row.stress)
+    copy(now.plastic, row.plastic)
+    row.force, row.elastic, row.dissipated, row.kinetic = (
+        now.force,
+        now.elastic,
+        now.dissipated,
+        0.0,
+    )
+    for i in (V, U1, U2):
+        row.kinetic += 0.5 * m[i] * now.w[i] ** 2 if i != U2 or s.columns[0].free_head else 0.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -43,91 +119,130 @@ def chords(lengths, q):
     return below, above
 
 
-@njit(cache=True, error_model="numpy")
-def collapsed(column, q):
+@inner
+def lost(s):
     """Whether v1 passes nine tenths of a bar, or the bars are squashed by a tenth.
 
     Of its first length, or of the distance that is left between its ends, which a chord that turns
     over passes in any case.
     """
-    below, above = chords(column.lengths, q)
-    shorter = min(min(column.lengths[0], column.lengths[1]), min(below, above))
-    squashed = below + above < (1.0 - COLLAPSE_CONTRACTION) * column.lengths.sum()
+    lengths, q = s.columns[0].lengths, s.states[0].q
+    below, above = chords(lengths, q)
+    shorter = min(min(lengths[0], lengths[1]), min(below, above))
+    squashed = below + above < (1.0 - COLLAPSE_CONTRACTION) * (lengths[0] + lengths[1])
     return squashed or abs(q[V]) > COLLAPSE_SIDEWAYS * shorter
 
 
-@njit(cache=True, error_model="numpy")
-def energy(column, state):
-    """Energy of a state and what has become of it, in J; writes its elastic and kinetic parts."""
-    statics.store(column, state)
-    m, w = column.mass, state.w
-    kinetic = column.striker_mass * state.striker_velocity**2
-    for i in (V, U1, U2):
-        kinetic += m[i] * w[i] ** 2 if i != U2 or column.free_head else 0.0
-    state.kinetic = 0.5 * kinetic
-    gone = state.dissipated + state.contact_loss
-    return state.kinetic + state.elastic + gone + column.load * state.q[U2]
+@inner
+def mass_of(s):
+    """The impact mass."""
+    return s.columns[0].mass[V]
 
 
-@njit(cache=True, error_model="numpy")
-def impact(columns, scheme, pace, records, room):
-    """Follow the impact; returns (status, last record, time, residual, cuts).
+@inner
+def kick(s, dv):
+    """Change the velocity of the hit point."""
+    s.states[0].w[V] += dv
 
-    `columns` and `room` have one row, of COLUMN and of WORK; `records` of STATE begin with the
-    preloaded column and the velocity of the striker. A step that does not converge is halved.
+
+@called
+def close(s, progress, impulse):
+    """Move a penetrating contact back (eqs 3.34-3.35); the massless unknowns follow.
+
+    The distances are as the inverse masses, so that the centre of mass stays; (3.34) prints
+    equal ones.
     """
-    column, work = columns[0], room[0]
-    statics.internal_forces(column, records[0], work)
-    records[0].force = work.F[V]
-    scale, given = abs(records[0].striker_velocity), energy(column, records[0])
-    n, steps, cuts, residual, time = 0, 0, 0, 0.0, 0.0
-    dt, before, highest, smooth, error = pace.first, 0.0, 0.0, False, pace.error
-    copy(work.F, work.F0)
-    copy(work.K, work.K0)
-    if column.sliding == panels.RIGID_IN_SHEAR:
-        work.nearly = _NEARLY if pace.error < np.inf else _CLOSELY
-    while time < pace.duration * (1.0 - 1e-12):
-        last, state = records[n], records[n + 1]
-        gap, gamma = last.q[V] - last.striker, last.w[V] - last.striker_velocity
-        dt = aimed(pace, time, dt, gap, gamma)
-        records[n + 1] = last
-        state.percussion = 0.0
-        steps += 1
-        if steps > pace.most:
-            return TOO_MANY, n, time, residual, cuts
-        done, residual = dynamics.step(column, scheme, dt, state, work)
-        if not done:
-            cuts += 1
-            dt *= 0.5
-            if dt < pace.first / PIECES:
-                return statics.NO_CONVERGENCE, n, time, residual, cuts
-            continue
-        struck = state.percussion > 0.0 and gamma < -1e-9 * scale
-        acceleration, factor = (state.w[V] - last.w[V]) / dt, 0.0 if struck else 2.0
-        if smooth and not struck and pace.error < np.inf:
-            if state.q[V] < highest and state.w[V] > 0.0 and state.percussion == 0.0:
-                error = pace.vibration
-            rate = abs(acceleration - work.acceleration) / (0.5 * (dt + before))
-            factor = growth(pace, error * scale, rate, dt, flown(column, last, state))
-            if factor < 0.7 and dt > pace.first:
-                dt = max(dt * max(factor, 0.2), pace.first)
-                continue
-            factor = min(max(factor, 0.3), 2.0)
-        if not struck:
-            work.acceleration = acceleration
-        for i in range(4):
-            work.rate[i] = (state.q[i] - last.q[i]) / dt
-        smooth, before, time, highest = not struck, dt, time + dt, max(highest, state.q[V])
-        state.time, state.force = time, work.F[V]
-        state.balance = given - energy(column, state)
-        copy(work.F, work.F0)
-        copy(work.K, work.K0)
-        dt = min(max(dt * factor, pace.first), pace.longest)
-        if n > 0 and time - records[n - 1].time <= pace.spacing:
-            state.percussion += last.percussion
-            records[n] = state
-        else:
-            n += 1
-        if collapsed(column, records[n].q):
-            return statics.COLLAPSE, n, time, residual, cuts
-    return statics.OK, n, time, residual, cuts
+    now, mass, striker = s.states[0], s.columns[0].mass[V], progress.mass
+    if not (impulse > 0.0 and now.q[V] < progress.place):
+        return True
+    push = (progress.place - now.q[V]) / (1.0 / mass + 1.0 / striker)
+    now.q[V] += push / mass
+    progress.place -= push / striker
+    done = follow(s.columns[0], now, s.room[0])
+    at_place(s)
+    return done
+
+
+@njit(cache=True, error_model="numpy")
+def follow(column, state, work):
+    """Equilibrium of the massless unknowns, and its plastic flow; whether there is one."""
+    massless = column.free_head and column.mass[U2] == 0.0
+    residual = statics.axial_equilibrium(column, statics.HELD, massless, state, work)
+    if residual > statics.TOLERANCE:
+        return False
+    statics.commit(column, state.stress, state, work)
+    return True
+
+
+@inner
+def move(column, dt, state):
+    """Move all masses with their velocities."""
+    for i in (V, U1, U2):
+        if i != U2 or (column.free_head and column.mass[U2] > 0.0):
+            state.q[i] += dt * state.w[i]
+
+
+@inner
+def drift(s, dt):
+    """Half a step of Moreau's with the velocities."""
+    statics.assign(s.states[0], s.states[1])
+    move(s.columns[0], 0.5 * dt, s.states[1])
+    return follow(s.columns[0], s.states[1], s.room[0]), s.states[1].q[V]
+
+
+@inner
+def push(s, dt):
+    """The velocities that the forces in the middle leave."""
+    trial, m = s.states[1], s.columns[0].mass
+    for i in (V, U1, U2):
+        if i != U2 or (s.columns[0].free_head and m[U2] > 0.0):
+            trial.w[i] -= dt * s.room[0].F[i] / m[i]
+    return trial.w[V], m[V]
+
+
+@inner
+def jump(s, dv, dt):
+    """Impulse, and the other half of the step."""
+    s.states[1].w[V] += dv
+    move(s.columns[0], 0.5 * dt, s.states[1])
+
+
+_FULL = Model(hit, solve, settle, accept, write, lost, mass=mass_of, kick=kick)
+_midpoint, _closing = march_of(_FULL), march_of(_FULL._replace(close=close))
+_explicit = march_of(_FULL._replace(settle=no_flow, step=moreau_step_of(hit, drift, push, jump)))
+
+
+@called
+def start(columns, states, room, pace):
+    """The system before the hit: the preloaded column in the first of the `states`."""
+    s = TwoBars(columns, states, room)
+    statics.internal_forces(s.columns[0], s.states[0], s.room[0])
+    at_place(s)
+    if s.columns[0].sliding == panels.RIGID_IN_SHEAR:
+        s.room[0].nearly = _NEARLY if pace.error < np.inf else _CLOSELY
+    return s
+
+
+@njit(cache=True, error_model="numpy")
+def impact(columns, states, room, drive, progress, records):
+    """Follow an impact: (status, rows).
+
+    Arguments: `columns` (1,) of COLUMN, `states` (2,) of STATE, `room` (1,) of WORK, see `statics`;
+    `drive`, `progress` and `records` of `workbench.impact`.
+    """
+    pace = begin(drive, progress[0])
+    return _midpoint(start(columns, states, room, pace), pace, progress[0], records)
+
+
+@njit(cache=True, error_model="numpy")
+def closing_impact(columns, states, room, drive, progress, records):
+    """As `impact`, with gaps closed as Gear, Gupta and Leimkuhler do."""
+    pace = begin(drive, progress[0])
+    return _closing(start(columns, states, room, pace), pace, progress[0], records)
+
+
+@njit(cache=True, error_model="numpy")
+def explicit_impact(columns, states, room, drive, progress, records):
+    """As `impact`, with Moreau's explicit steps."""
+    pace = begin(drive, progress[0])
+    return _explicit(start(columns, states, room, pace), pace, progress[0], records)

@@ -84,7 +84,11 @@ class FourDofShear(RigidBars):
     hit_mass: str = checked(HIT_MASS, WAVES)
 
     name: ClassVar[str] = "four-dof-shear"
-    version: ClassVar[int] = 6
+    version: ClassVar[int] = 7
+    _CONTROL: ClassVar[tuple[tuple[float, float, float], ...]] = (
+        (8e-5, 4e-3, 0.9),
+        RigidBars._CONTROL[1],
+    )
     assumptions: ClassVar[tuple[str, ...]] = (
         *RigidBars.assumptions,
         "Uniform shear stress in the webs, none in the flanges; associated flow on the N-M-V "

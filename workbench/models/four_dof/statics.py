@@ -35,38 +35,32 @@ COLUMN = np.dtype(
         ("spring", float),  # axial restraint at the head, N/m
         ("unstressed", float),  # displacement of the head without force in the spring, m
         ("mass", float, 4),  # of the degrees of freedom, kg
-        ("striker_mass", float),  # kg
-        ("restitution", float),
         ("small_rotations", bool),
         ("free_head", bool),  # to move along the column
     ]
 )
 STATE = np.dtype(
     [
-        ("time", float),  # s
         ("q", float, 4),  # degrees of freedom
         ("w", float, 4),  # their velocities
         ("stress", float, (2, 4)),  # N, M_end, M_mid, V of the bars below and above
         ("plastic", float, (2, 4)),  # plastic elongation, rotations and sliding
         ("turn", float, 2),  # phi, rotation of the sections of bars that slide
         ("force", float),  # F_v, the resistance to the hit, N
-        ("striker", float),  # position, m
-        ("striker_velocity", float),
-        ("percussion", float),  # of the step, N s
         ("dissipated", float),  # since the start, J
-        ("contact_loss", float),
         ("elastic", float),  # of hinges, webs and the restraint spring, J
-        ("kinetic", float),
-        ("balance", float),  # what is missing of the energy at the start, dead load included, J
     ]
 )
 WORK = np.dtype(  # room for the numbers of one evaluation
     [
-        *((name, float, 4) for name in ("F", "mean", "R", "step", "old", "q0", "w0", "E", "Q")),
+        *((name, float, 4) for name in ("F", "mean", "R", "moved", "step", "old", "q0", "w0")),
+        ("E", float, 4),
+        ("Q", float, 4),
         ("F0", float, 4),  # forces with which the step began
         ("nearly", float),  # residual of a step, over the squash load, that a Newton step removes
-        ("rate", float, 4),  # mean velocities of the last step, and the acceleration of V
-        ("acceleration", float),
+        ("inertia", float),  # of all that moves along the strike, kg
+        ("nested", int),  # whether the rotation is balanced inside every evaluation
+        ("rate", float, 4),  # mean velocities of the last step
         *((name, float, (4, 4)) for name in ("K", "J", "B", "D4", "K4", "K0")),
         ("f", float, (2, 3)),
         ("stress0", float, (2, 4)),
@@ -79,6 +73,18 @@ WORK = np.dtype(  # room for the numbers of one evaluation
         ("flow", float, (2, 5)),
     ]
 )
+
+
+@njit(cache=True, error_model="numpy")
+def assign(source, target):
+    """Copy a state field by field: as a whole it takes numba minutes to compile."""
+    copy(source.q, target.q)
+    copy(source.w, target.w)
+    copy(source.stress, target.stress)
+    copy(source.plastic, target.plastic)
+    copy(source.turn, target.turn)
+    target.force, target.dissipated = source.force, source.dissipated
+    target.elastic = source.elastic
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -293,7 +299,7 @@ def pushover(column, path, least, records, work):
     residual = 0.0
     store(column, records[0])
     for i in range(path.size):
-        records[i + 1] = records[i]
+        assign(records[i], records[i + 1])
         state = records[i + 1]
         q, origin = state.q, state.q[V]
         at, stride = 0.0, 1.0

@@ -1,0 +1,191 @@
+"""The equations of a midpoint step of the column (Heng 2017, chapter 3), and their solution."""
+
+from typing import Any, NamedTuple
+
+from workbench.compiled import njit
+from workbench.hinges.kernels import ELASTIC
+from workbench.impact.contact import inner
+from workbench.impact.newton import Equations, newton_of
+from workbench.impact.pace import EPS
+from workbench.models.four_dof import kinematics as geometry
+from workbench.models.four_dof import panels, statics
+from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
+from workbench.structures.kernels import copy, solve_four
+
+_TOLERANCE = 1e-8  # of the squash load: the error of a step is far larger
+
+
+class TwoBars(NamedTuple):
+    """System: column (1,), committed and trial state (2,), scratch (1,); records of `statics`."""
+
+    columns: Any
+    states: Any
+    room: Any
+
+
+@njit(cache=True, error_model="numpy")
+def mean_forces(column, state, work):
+    """Energy-consistent mean forces of a step: averaged stresses, discrete gradients."""
+    lengths, a, b = column.lengths, work.stress0, state.stress
+    for bar in range(2):
+        N = 0.5 * (a[bar, 0] + b[bar, 0])
+        M = 0.5 * (a[bar, 1] + b[bar, 1] - a[bar, 2] - b[bar, 2])
+        v0, x0, _ = geometry.place(work.q0, lengths, bar)
+        v1, x1, _ = geometry.place(state.q, lengths, bar)
+        small = column.small_rotations
+        if column.sliding == panels.SECTION:
+            panels.section_mean_forces(bar, state, work)
+            continue
+        ev, ex, pv, px = geometry.step_gradients(v0, x0, v1, x1, lengths[bar], small)
+        work.f[bar, 0], work.f[bar, 1] = N * ev + M * pv, N * ex + M * px
+    statics.add_up(column, work.f, 0.5 * (work.q0[U2] + state.q[U2]), work.mean)
+
+
+@njit(cache=True, error_model="numpy")
+def evaluate(s, dt, closed, touch, striker):
+    """Residual `R` (impulses) and tangent `J` of a midpoint step; the scaled size of the residual.
+
+    With (3.31) to (3.33) w = 2 (q - q_0) / dt - w_0 and m (w - w_0) + dt F_mean = P for a massive
+    unknown, F(q) = 0 for a massless one.
+    """
+    column, state, work = s.columns[0], s.states[1], s.room[0]
+    q, F, K, R, J = state.q, work.F, work.K, work.R, work.J
+    for i in range(4):
+        q[i] = work.q0[i] + work.moved[i]
+    if work.nested:
+        statics.balance_rotation(column, state, work)
+        work.moved[BETA] = q[BETA] - work.q0[BETA]
+    else:
+        statics.internal_forces(column, state, work)
+    mean_forces(column, state, work)
+    for i in range(4):
+        m = column.mass[i]
+        for k in range(4):
+            J[i, k] = (0.5 * dt if m > 0.0 else dt) * K[i, k]
+        if m > 0.0:
+            R[i] = 2.0 * m * (work.moved[i] / dt - work.w0[i]) + dt * work.mean[i]
+            J[i, i] += 2.0 * m / dt
+        else:
+            R[i] = dt * F[i]
+    if closed:
+        end = 2.0 * work.moved[V] / dt - work.w0[V]
+        R[V] += striker * (end - touch)
+        J[V, V] += 2.0 * striker / dt
+    if not column.free_head:
+        R[U2] = 0.0
+        statics.hold(J, U2)
+    if statics.rotation_is_free(column, K):
+        statics.hold(J, BETA)
+        if work.nested:
+            R[BETA] = 0.0
+    axial = max(abs(R[V]), max(abs(R[U1]), abs(R[U2]))) / (dt * column.squash_loads[0])
+    return max(axial, abs(R[BETA]) / (dt * column.plastic_moments[0]))
+
+
+@njit(cache=True, error_model="numpy")
+def predict(s, dt, closed, touch, striker):
+    """First guess of a step: forces grow along the last tangent, bars stretch as linearised.
+
+    That the chords turn about their ends is taken into account.
+    """
+    column, work = s.columns[0], s.room[0]
+    q0, w0, moved, step, J = work.q0, work.w0, work.moved, work.step, work.J
+    moved[:] = 0.0
+    for i in range(4):
+        m = column.mass[i] + (striker if closed and i == V else 0.0)
+        for k in range(4):
+            J[i, k] = 0.5 * dt * work.K0[i, k] if m > 0.0 else work.K0[i, k]
+        J[i, i] += 2.0 * m / dt
+        step[i] = 2.0 * m * w0[i] - (dt * work.F0[i] if m > 0.0 else work.F0[i])
+    if closed:
+        step[V] -= striker * (w0[V] - touch)
+    if not column.free_head:
+        step[U2] = 0.0
+        statics.hold(J, U2)
+    if statics.rotation_is_free(column, work.K0):
+        step[BETA] = dt * work.rate[BETA]
+        statics.hold(J, BETA)
+    if not solve_four(J, step):
+        return
+    copy(step, moved)
+    if not column.free_head or column.small_rotations:
+        return
+    for bar, i in ((BELOW, U1), (ABOVE, U2)):  # each end moves along as its bar stretches
+        v, x, _ = geometry.place(q0, column.lengths, bar)
+        dx = step[U1] if bar == BELOW else step[U2] - step[U1]
+        chord = (v * v + x * x) ** 0.5
+        chord += (v * step[V] + x * dx) / chord
+        along = max(chord * chord - (v + step[V]) ** 2, 0.0) ** 0.5 - x
+        moved[i] = along if bar == BELOW else moved[U1] + along
+
+
+@inner
+def vectors(s):
+    """Displacements of the step, where Newton's step began, that step, the residual.
+
+    Not places: in very short steps their round-off would be that of velocities.
+    """
+    return s.room[0].moved, s.room[0].old, s.room[0].step, s.room[0].R
+
+
+@inner
+def allowed(s, dt, size):
+    """Residual of a solved step: 1e-8, or what the round-off of velocities leaves in short ones."""
+    work, column = s.room[0], s.columns[0]
+    velocity = abs(work.w0[V]) + 2.0 * abs(work.moved[V]) / dt
+    rounded = 8.0 * EPS * work.inertia * velocity / (dt * column.squash_loads[0])
+    return max(_TOLERANCE, rounded)
+
+
+@inner
+def aim(s):
+    """Newton's step."""
+    for i in range(4):
+        s.room[0].step[i] = -s.room[0].R[i]
+    return solve_four(s.room[0].J, s.room[0].step)
+
+
+@inner
+def bend(s):
+    """The tangent along the step, twice."""
+    total = 0.0
+    for i in range(4):
+        for k in range(4):
+            total += s.room[0].step[i] * s.room[0].J[i, k] * s.room[0].step[k]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def finish(s, size):
+    """Take the last Newton step with forces along the tangent, not evaluated anew.
+
+    Those of an elastic bar are exact: along the tangent it would seem to flow by a round-off.
+    """
+    column, state, work = s.columns[0], s.states[1], s.room[0]
+    if size > work.nearly:
+        return False
+    step, D, elastic = work.step, work.D, column.stiffness
+    for i in range(4):
+        work.moved[i] += step[i]
+        state.q[i] = work.q0[i] + work.moved[i]
+        for k in range(4):
+            work.F[i] += work.K[i, k] * step[k]
+    for bar in range(2):
+        plastic, stress = state.plastic[bar], state.stress[bar]
+        if work.branch[bar] == ELASTIC:
+            v, x, b = geometry.place(state.q, column.lengths, bar)
+            length, small = column.lengths[bar], column.small_rotations
+            stretch, angle = geometry.stretch_and_angle(v, x, length, small)
+            stress[0] = elastic[bar, 0] * (stretch - plastic[0])
+            stress[1] = elastic[bar, 1] * (angle - plastic[1])
+            stress[2] = elastic[bar, 2] * (b - angle - plastic[2])
+            continue
+        sign = 1.0 if bar == BELOW else -1.0
+        dx = step[U1] if bar == BELOW else step[U2] - step[U1]
+        for j in range(3):
+            stress[j] += D[bar, j, 0] * step[V] + D[bar, j, 1] * dx
+            stress[j] += sign * D[bar, j, 2] * step[BETA]
+    return True
+
+
+newton = newton_of(Equations(vectors, evaluate, allowed, aim, bend, finish))
