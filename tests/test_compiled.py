@@ -171,7 +171,7 @@ def test_every_kernel_is_compiled_through_the_room_that_keeps_code_fresh() -> No
 @pytest.mark.slow
 def test_compiled_steps_of_the_laboratory_are_read_from_disk(tmp_path: Path) -> None:
     code = (
-        "from workbench.impact.march import run\n"
+        "from workbench.impact.laboratory import run\n"
         "from workbench.impact.problems import problem\n"
         "from workbench.impact.schemes import scheme\n"
         "given = problem('ball')\n"

@@ -11,8 +11,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from workbench.errors import InputError, SolverError
+from workbench.impact.laboratory import Run, run
 from workbench.impact.laws import Penalty, Restitution
-from workbench.impact.march import Run, run
 from workbench.impact.problems import oscillator, problem
 from workbench.impact.schemes import (
     CLASSICAL,
@@ -23,14 +23,13 @@ from workbench.impact.schemes import (
     event_driven,
     scheme,
 )
-from workbench.impact.schemes.energy_midpoint import energy_midpoint
 from workbench.impact.schemes.gear_gupta_leimkuhler import gear_gupta_leimkuhler
 from workbench.impact.schemes.generalized_alpha import (
     generalized_alpha,
     hht_alpha,
     mean_energy_factor,
 )
-from workbench.impact.schemes.moreau_jean import moreau_jean
+from workbench.impact.schemes.one_step import energy_midpoint, moreau_jean
 from workbench.impact.system import springs
 from workbench.report.drawing.style import house_style
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from workbench.impact.march import run
+from workbench.impact.laboratory import run
 from workbench.impact.problems import PROBLEMS, bar, cradle, problem
 from workbench.impact.schemes import scheme
 from workbench.impact.system import ELASTIC, ONE_SIDED, PLASTIC, one_spring

@@ -236,32 +236,32 @@ def march_of(model: Model, longer: float = LONGER) -> Any:
         while progress.time < end_time:
             if n + 2 > records.size:
                 return GOING, n
-            (place, speed), own, mass = hit(s), mass_of(s), progress.mass
+            (place, speed), struck_mass, mass = hit(s), mass_of(s), progress.mass
             gap, gamma, slack = np.inf, 0.0, SLACK
             if mass > 0.0:
                 gap, gamma = place - progress.place, speed - progress.velocity
             if controlled:
                 slack = CLOSE * progress.approach * pace.first + 4.0 * EPS * abs(progress.place)
             if (
-                own > 0.0
+                struck_mass > 0.0
                 and (controlled or progress.time == 0.0)
                 and gap <= slack
                 and gamma < -slowest
             ):
                 e = progress.restitution
                 e = e if -gamma * e > SOFT * progress.approach else 0.0
-                impulse = explicit_percussion(gamma, gamma, e, own, mass)
-                kick(s, impulse / own)
+                impulse = explicit_percussion(gamma, gamma, e, struck_mass, mass)
+                kick(s, impulse / struck_mass)
                 progress.velocity -= impulse / mass
-                after = gamma + impulse / own + impulse / mass
+                after = gamma + impulse / struck_mass + impulse / mass
                 progress.contact_loss += contact_loss(impulse, gamma, after)
                 progress.carried += impulse
                 progress.pushed = 0.0
                 progress.smooth, progress.dt, progress.error = False, pace.first, pace.error
-                given = speed + impulse / own
+                given = speed + impulse / struck_mass
                 progress.scale = given if progress.time == 0.0 else max(given, progress.scale)
                 continue
-            instant = own > 0.0 and controlled
+            instant = struck_mass > 0.0 and controlled
             dt = aimed(pace, progress.time, progress.dt, 0.0 if instant else CLOSER * gap, gamma)
             if instant and gap > slack and gamma < 0.0:
                 dt = min(dt, -gap / gamma)

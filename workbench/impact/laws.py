@@ -22,6 +22,7 @@ from workbench.arrays import Array
 from workbench.compiled import njit
 from workbench.fields import Choice, Declared, Many, Number, checked
 from workbench.impact.complementarity import complementary
+from workbench.impact.contact import rebound
 
 NEWTON, POISSON = "newton", "poisson"
 
@@ -57,14 +58,11 @@ def percussions(G, free, start, e, poisson):
     Arguments: `G` (n, n) in 1/kg; `free` and `start`, gap velocities (n,) in m/s without impulses
     and before the impact; `e` (n,), coefficients; whether the law is Poisson's.
 
-
-    A closed contact that separates already reverses its velocity elastically: with e < 1 it would
-    create energy (`restitution.rebound`).
     """
     if not poisson:
         xi = np.empty(free.size)
         for i in range(free.size):
-            xi[i] = free[i] + (1.0 if start[i] > 0.0 else e[i]) * start[i]
+            xi[i] = free[i] + rebound(start[i], e[i]) * start[i]
         return complementary(G, xi)
     pressed, first = complementary(G, free)
     back = (1.0 + e) * pressed

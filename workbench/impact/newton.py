@@ -25,7 +25,7 @@ class Equations(NamedTuple):
     `allowed(s, dt, size) -> float`: with which a step is solved, `size` that of the first guess.
     `aim(s) -> bool`: writes Newton's step; false if there is none.
     `bend(s) -> float`: d'Kd of the step d with the tangent K at x.
-    `finish(s, size) -> bool`: optional, may take the aimed step without an evaluation and end.
+    `finish(s, size) -> bool`: optional, may aim, take the step without an evaluation, and end.
     """
 
     vectors: Any
@@ -82,12 +82,11 @@ def newton_of(equations: Equations) -> Any:
                 share = low + part * (high - low)
             else:
                 size = new_size
-                if size <= limit and count > 1:  # where a step starts may be right by chance
+                # where a step starts may be right by chance
+                if finish(s, size) or (size <= limit and count > 1):
                     return True, size / limit, count
                 if iterations == ITERATIONS or not (np.isfinite(size) and aim(s)):
                     break
-                if finish(s, size):
-                    return True, size / limit, count
                 iterations, searches, slope, share = iterations + 1, 0, 0.0, 1.0
                 for i in range(n):
                     start[i] = x[i]

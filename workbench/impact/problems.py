@@ -15,8 +15,8 @@ from scipy.optimize import brentq
 from workbench.arrays import Array
 from workbench.errors import InputError
 from workbench.fields import did_you_mean
+from workbench.impact.laboratory import run
 from workbench.impact.laws import Penalty, Restitution
-from workbench.impact.march import run
 from workbench.impact.schemes.event_driven import event_driven
 from workbench.impact.system import Springs, System, springs
 
@@ -55,8 +55,8 @@ class Problem:
         if self.exact is not None:
             return self.exact(times)
         h = float(times[1] - times[0]) / _FINER
-        found = run(event_driven(), self.system(), self.law, self.start, self.duration, h)
-        return found.q[::_FINER]
+        reference = run(event_driven(), self.system(), self.law, self.start, self.duration, h)
+        return reference.q[::_FINER]
 
 
 def flights(e: float, height: float, times: Array) -> Array:

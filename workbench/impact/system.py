@@ -87,18 +87,18 @@ class Springs(NamedTuple):
 
     def forces(self, q: Array) -> tuple[Array, Array]:
         """As in `System`; so are the others."""
-        found: tuple[Array, Array] = spring_forces(self.laws, self.load, q)
-        return found
+        result: tuple[Array, Array] = spring_forces(self.laws, self.load, q)
+        return result
 
     def mean_forces(self, q0: Array, q1: Array) -> tuple[Array, Array]:
         """Discrete gradient."""
-        found: tuple[Array, Array] = spring_mean_forces(self.laws, self.load, q0, q1)
-        return found
+        result: tuple[Array, Array] = spring_mean_forces(self.laws, self.load, q0, q1)
+        return result
 
     def surface(self, t: float) -> tuple[Array, Array, Array]:
         """Place, velocity, acceleration."""
-        found: tuple[Array, Array, Array] = spring_surface(self.gap, self.swing, t)
-        return found
+        result: tuple[Array, Array, Array] = spring_surface(self.gap, self.swing, t)
+        return result
 
     def commit(self, q: Array) -> None:
         """Plastic flow."""

@@ -14,7 +14,7 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.errors import SolverError
 from workbench.fields import Choice, Number, checked
-from workbench.impact.march import Run, run
+from workbench.impact.laboratory import Run, run
 from workbench.impact.problems import Problem, problem
 from workbench.impact.schemes import SCHEMES
 from workbench.models.base import Answering
@@ -83,21 +83,21 @@ class ImpactIntegrator(Answering):
         given = problem_of(scenario.problem)
         finest = given.steps * 2 ** (self.runs - 1)
         exact = _answer(scenario.problem, finest)
-        ladder, found, lost = self._climb(given, exact)
+        ladder, finest_run, lost = self._climb(given, exact)
         times = np.linspace(0.0, given.duration, finest + 1)
         others = [self._climb(other, other.answer(times))[0] for other in given.others]
         errors = np.mean([each["ladder.error"] for each in (ladder, *others)], axis=0)
-        if found is None:
+        if finest_run is None:
             raise SolverError(f"the finest of {self.runs} runs", np.inf, lost)
         response: Response = _response(
             given,
-            {"record.place": found.q[:, -1], "record.exact": exact[:, -1]},
+            {"record.place": finest_run.q[:, -1], "record.exact": exact[:, -1]},
             ladder,
             relative_error=ladder["ladder.error"][-1],
             observed_order=_order(errors),
-            **_scalars(given, found),
+            **_scalars(given, finest_run),
         )
-        response.attrs["solve_time"] = found.seconds
+        response.attrs["solve_time"] = finest_run.seconds
         return response
 
     def _climb(self, given: Problem, exact: Array) -> tuple[dict[str, Any], Run | None, str]:
@@ -107,7 +107,7 @@ class ImpactIntegrator(Answering):
         """
         finest, size = len(exact) - 1, float(np.abs(exact).max())
         ladder: dict[str, Any] = {name: np.full(self.runs, np.nan) for name in LADDER}
-        found: Run | None = None
+        finest_run: Run | None = None
         lost = ""
         for level in range(self.runs):
             steps = given.steps * 2**level
@@ -115,14 +115,14 @@ class ImpactIntegrator(Answering):
             ladder["ladder.step"][level] = h
             system, stepper = given.system(), SCHEMES[self.scheme].stepper
             try:
-                found = run(stepper, system, given.law, given.start, given.duration, h)
+                finest_run = run(stepper, system, given.law, given.start, given.duration, h)
             except SolverError as error:
-                found, lost = None, str(error)
+                finest_run, lost = None, str(error)
                 continue
-            off = np.abs(found.q - exact[:: finest // steps]).max()
+            off = np.abs(finest_run.q - exact[:: finest // steps]).max()
             ladder["ladder.error"][level] = off / size
-            ladder["ladder.evaluations"][level] = found.evaluations
-        return ladder, found, lost
+            ladder["ladder.evaluations"][level] = finest_run.evaluations
+        return ladder, finest_run, lost
 
 
 def _order(errors: Array) -> float | None:
@@ -139,15 +139,15 @@ def _order(errors: Array) -> float | None:
     return float(-slope)
 
 
-def _scalars(given: Problem, found: Run) -> dict[str, float | None]:
+def _scalars(given: Problem, finest_run: Run) -> dict[str, float | None]:
     """Conditions of contact in the finest run."""
-    told = given.impacts is not None
+    counted = given.impacts is not None
     return {
-        "energy_drift": found.drift if given.conservative else None,
-        "largest_penetration": found.conditions.penetration,
-        "missed_impacts": max((given.impacts or 0) - found.impacts, 0) if told else None,
-        "spurious_impacts": max(found.impacts - (given.impacts or 0), 0) if told else None,
-        "chatter": found.chatter,
+        "energy_drift": finest_run.drift if given.conservative else None,
+        "largest_penetration": finest_run.conditions.penetration,
+        "missed_impacts": max((given.impacts or 0) - finest_run.impacts, 0) if counted else None,
+        "spurious_impacts": max(finest_run.impacts - (given.impacts or 0), 0) if counted else None,
+        "chatter": finest_run.chatter,
     }
 
 
@@ -155,7 +155,7 @@ def _scalars(given: Problem, found: Run) -> dict[str, float | None]:
 class ImpactExact(Answering):
     """The known answer of an impact problem.
 
-    Option: `steps`, times at which it is told, as a multiple of those of the coarsest run.
+    Option: `steps`, times at which it is given, as a multiple of those of the coarsest run.
     """
 
     steps: int = checked(Number(1, 1024, integer=True), 32)
@@ -181,8 +181,8 @@ class ImpactExact(Answering):
             nothing |= dict.fromkeys(("missed_impacts", "spurious_impacts"), 0.0)
         if given.conservative:
             nothing["energy_drift"] = 0.0
-        found: Response = _response(given, {"record.exact": exact[:, -1]}, {}, **nothing)
+        response: Response = _response(given, {"record.exact": exact[:, -1]}, {}, **nothing)
         width = 0.0 if given.exact is not None else given.certified
         widths = {name: width if name == "relative_error" else 0.0 for name in nothing}
-        found.attrs["data_uncertainty"] = json.dumps(widths, sort_keys=True)
-        return found
+        response.attrs["data_uncertainty"] = json.dumps(widths, sort_keys=True)
+        return response

@@ -101,8 +101,8 @@ _march = march_of(Model(one_mass.hit, None, no_flow, accept, write, one_mass.los
 @njit(cache=True, error_model="numpy")
 def impact(pieces, drive, progress, records):
     """Follow an impact as `single_dof.march.impact`; the drive goes on with stiffness and force."""
-    states, own = one_mass.at_rest(drive, pieces), drive[DRIVE:]
-    s = TwoMasses(states, pieces, own[1], own[3], own[4])
+    states, numbers = one_mass.at_rest(drive, pieces), drive[DRIVE:]
+    s = TwoMasses(states, pieces, numbers[1], numbers[3], numbers[4])
     return _march(s, begin(drive, progress[0]), progress[0], records)
 
 

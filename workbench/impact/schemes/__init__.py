@@ -8,14 +8,16 @@ from typing import Any
 
 from workbench.errors import InputError
 from workbench.fields import did_you_mean
-from workbench.impact.schemes.central_differences import central_differences
-from workbench.impact.schemes.energy_midpoint import energy_midpoint
+from workbench.impact.laboratory import Stepper
 from workbench.impact.schemes.event_driven import event_driven
 from workbench.impact.schemes.gear_gupta_leimkuhler import gear_gupta_leimkuhler
 from workbench.impact.schemes.generalized_alpha import generalized_alpha, hht_alpha, newmark
-from workbench.impact.schemes.moreau_jean import moreau_jean
-from workbench.impact.schemes.moreau_midpoint import moreau_midpoint
-from workbench.impact.stepping import Stepper
+from workbench.impact.schemes.one_step import (
+    central_differences,
+    energy_midpoint,
+    moreau_jean,
+    moreau_midpoint,
+)
 
 MOMENTUM, ENERGY, LINEAR_ENERGY = "momentum", "energy", "energy of linear systems"
 

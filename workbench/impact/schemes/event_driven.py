@@ -13,8 +13,8 @@ import numpy as np
 
 from workbench.arrays import Array, Flags
 from workbench.impact.complementarity import complementary
+from workbench.impact.laboratory import Law, State, Step, Stepper, gaps_of, rates_of
 from workbench.impact.laws import percussions
-from workbench.impact.stepping import Law, State, Step, Stepper, gaps_of, rates_of
 from workbench.impact.system import System
 
 _CLOSED = 1e-10  # m; a gap that counts as closed
@@ -41,8 +41,8 @@ class _Stretch:
         if not self.on.size:
             return free, np.zeros(0)
         lack = self.normals.T @ free + self.system.surface(t)[2][self.on]
-        found = np.linalg.lstsq(self.normals.T @ self.back, -lack, rcond=None)[0]
-        force = np.asarray(found, dtype=float)
+        forces = np.linalg.lstsq(self.normals.T @ self.back, -lack, rcond=None)[0]
+        force = np.asarray(forces, dtype=float)
         return free + self.back @ force, force
 
     def after(self, h: float) -> State:
@@ -64,7 +64,7 @@ class _Stretch:
     def first_event(self, h: float) -> tuple[float, State]:
         """When the first gap closes or force vanishes within `h`, or `h`; and the state there."""
         end = self.after(h)
-        margins, found = self.margins(end), (h, end)
+        margins, first = self.margins(end), (h, end)
         start = gaps_of(self.system, self.state.q, self.state.t)
         rates = [rates_of(self.system, s.v, s.t) for s in (self.state, end)]
         for i in range(start.size):
@@ -74,9 +74,9 @@ class _Stretch:
                 at_upper = self.margins(self.after(upper))[i] if upper < h else at_upper
             if at_upper < (0.0 if i in self.on else -_CLOSED):
                 time = self._root(i, upper, float(at_upper))
-                if time < found[0]:
-                    found = time, self.after(time)
-        return found
+                if time < first[0]:
+                    first = time, self.after(time)
+        return first
 
     def _root(self, i: int, high: float, at_high: float) -> float:
         """Where margin `i`, negative at `high`, changes sign (Illinois' false position)."""

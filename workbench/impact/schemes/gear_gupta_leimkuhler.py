@@ -14,7 +14,7 @@ import numpy as np
 
 from workbench.compiled import register_jitable
 from workbench.impact.complementarity import complementary
-from workbench.impact.stepping import REACH, State, Step, Stepper, forecast, gaps_of, implicit
+from workbench.impact.laboratory import REACH, State, Step, Stepper, forecast, gaps_of, implicit
 from workbench.impact.system import commit
 
 _OVERLAP = 1e-13  # m
@@ -32,8 +32,8 @@ def move_apart(system, gaps, moved, among):
     W = np.ascontiguousarray(system.normals[:, on])
     G = W.T @ np.linalg.solve(system.mass, W)
     bare = gaps[on] - G @ moved[on]
-    found, residual = complementary(G, bare)
-    psi[on] = _exact(G, bare, found)
+    closing, residual = complementary(G, bare)
+    psi[on] = _exact(G, bare, closing)
     return psi, residual
 
 

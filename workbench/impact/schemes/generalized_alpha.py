@@ -14,7 +14,7 @@ import numpy as np
 from workbench.compiled import register_jitable
 from workbench.fields import Number
 from workbench.impact.complementarity import complementary
-from workbench.impact.stepping import State, Step, Stepper, forecast, gaps_of, impulses_on
+from workbench.impact.laboratory import State, Step, Stepper, forecast, gaps_of, impulses_on
 from workbench.impact.system import commit, forces
 
 _ITERATIONS = 40

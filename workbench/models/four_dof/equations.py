@@ -162,7 +162,7 @@ def finish(s, size):
     Those of an elastic bar are exact: along the tangent it would seem to flow by a round-off.
     """
     column, state, work = s.columns[0], s.states[1], s.room[0]
-    if size > work.nearly:
+    if size > work.nearly or not aim(s):
         return False
     step, D, elastic = work.step, work.D, column.stiffness
     for i in range(4):

@@ -135,8 +135,8 @@ def lost(s):
 
 @inner
 def mass_of(s):
-    """The impact mass."""
-    return s.columns[0].mass[V]
+    """The impact mass; in equal steps none, the striker is met within a step as in the thesis."""
+    return s.room[0].alone
 
 
 @inner
@@ -218,6 +218,7 @@ def start(columns, states, room, pace):
     s = TwoBars(columns, states, room)
     statics.internal_forces(s.columns[0], s.states[0], s.room[0])
     at_place(s)
+    s.room[0].alone = s.columns[0].mass[V] if pace.error < np.inf else 0.0
     if s.columns[0].sliding == panels.RIGID_IN_SHEAR:
         s.room[0].nearly = _NEARLY if pace.error < np.inf else _CLOSELY
     return s

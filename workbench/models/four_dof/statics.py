@@ -59,6 +59,7 @@ WORK = np.dtype(  # room for the numbers of one evaluation
         ("F0", float, 4),  # forces with which the step began
         ("nearly", float),  # residual of a step, over the squash load, that a Newton step removes
         ("inertia", float),  # of all that moves along the strike, kg
+        ("alone", float),  # mass of the hit point that collides at an instant, kg
         ("nested", int),  # whether the rotation is balanced inside every evaluation
         ("rate", float, 4),  # mean velocities of the last step
         *((name, float, (4, 4)) for name in ("K", "J", "B", "D4", "K4", "K0")),
@@ -102,10 +103,10 @@ def hinge_forces(column, bar, elastic, stress, work):
     stiffness = k[bar, 0], k[bar, 1], k[bar, 2]
     trial = stiffness[0] * elastic[0], stiffness[1] * elastic[1], stiffness[2] * elastic[2]
     bounds, exponents = (N[0], N[1], M[0], M[1]), (column.alpha, column.beta)
-    found = project(stiffness, bounds, exponents, trial, work.z[bar])
-    work.branch[bar], work.z[bar] = found[0], found[3]
-    stress[bar, 0], stress[bar, 1], stress[bar, 2] = found[1]
-    return found[2]
+    projected = project(stiffness, bounds, exponents, trial, work.z[bar])
+    work.branch[bar], work.z[bar] = projected[0], projected[3]
+    stress[bar, 0], stress[bar, 1], stress[bar, 2] = projected[1]
+    return projected[2]
 
 
 @njit(cache=True, error_model="numpy")

@@ -73,12 +73,12 @@ class ResistanceCurve:
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """What happens along the curve, in order."""
-        found = []
+        events = []
         for v, event, group in self.pieces[["start", "event", "group"]][1:].tolist():
             yields = event == YIELDS
             name = _YIELDS[self.mechanism.groups[group]] if yields else _NAMES[event - LOAD]
-            found.append(Event(name, v, float(self.force(v))))
-        return tuple(found)
+            events.append(Event(name, v, float(self.force(v))))
+        return tuple(events)
 
     @cached_property
     def lost_at(self) -> float:

@@ -57,8 +57,8 @@ def curve_findings(scenario: ColumnScenario, shape: str) -> list[Finding]:
     Of the shape of panels those of the four-DOF column with them but of how its mass bounces.
     Warning: a head mass, which these models leave out. Refusal: a push beyond their reach.
     """
-    own = FourDofShear().domain if shape == PANEL else member_findings
-    findings = [found for found in own(scenario) if found.subject != RESTITUTION]
+    domain = FourDofShear().domain if shape == PANEL else member_findings
+    findings = [finding for finding in domain(scenario) if finding.subject != RESTITUTION]
     column = scenario.column
     if column.head_mass > 0.0 and not isinstance(scenario, ColumnPushover):
         findings.append(finding("head-mass", head_mass=column.head_mass))

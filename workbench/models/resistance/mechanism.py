@@ -113,8 +113,8 @@ def mechanism_of(
 
 def axial_flexibility(column: Column) -> float:
     """Shortening (m/N) of the column and its restraint per axial force, infinite if it is free."""
-    own = column.length / (column.steel.elastic_modulus * column.properties.area)
+    flexibility = column.length / (column.steel.elastic_modulus * column.properties.area)
     if column.head == "fixed":
-        return own
+        return flexibility
     spring = column.restraint_stiffness
-    return own + 1.0 / spring if spring > 0.0 else inf
+    return flexibility + 1.0 / spring if spring > 0.0 else inf

@@ -27,8 +27,8 @@ SHAPES = (*RESISTANCES, PANEL)
 
 def transition_length(surface: ShearSurface) -> float:
     """Length (m) of a panel below which it slides before it bends, 2 M_f / V_pl."""
-    own = surface.record
-    return float(2.0 * own["flange_moment"] / own["shear"])
+    record = surface.record
+    return float(2.0 * record["flange_moment"] / record["shear"])
 
 
 def plateau(surface: ShearSurface, lengths: tuple[float, float]) -> float:
@@ -37,7 +37,7 @@ def plateau(surface: ShearSurface, lengths: tuple[float, float]) -> float:
     Both bend, V L = 2 M_c(V), or the shorter one slides and its flanges alone bend the other.
     """
     shorter, longer = sorted(lengths)
-    own = surface.record
+    record = surface.record
 
     def bent(length: float, passed: float) -> float:
         """Shear force with M_c at one end and at most `passed` at the other."""
@@ -46,12 +46,12 @@ def plateau(surface: ShearSurface, lengths: tuple[float, float]) -> float:
             capacity = float(surface.moment_capacity(0.0, V))
             return V * length - capacity - min(passed, capacity)
 
-        top = float(own["shear"])
+        top = float(record["shear"])
         return top if excess(top) <= 0.0 else float(brentq(excess, 0.0, top))
 
     below = bent(shorter, np.inf)
-    flanges = float(own["flange_moment"])
-    return below + bent(longer, flanges if below >= own["shear"] else np.inf)
+    flanges = float(record["flange_moment"])
+    return below + bent(longer, flanges if below >= record["shear"] else np.inf)
 
 
 def panel_curve(
