@@ -67,7 +67,8 @@ def test_figure_5_9_peaks_of_the_four_dof_column(thesis_impact, options, peaks) 
 
 @pytest.mark.parametrize(
     ("restitution", "peaks"),
-    [(0.5, (0.08971, 0.19070, 0.32280)), (1.0, (0.09413, 0.20125, 0.33876))],
+    # 2026-11: gaps are forecast for a whole step; before 0.20125, with steps of 1e-6 s 0.20120
+    [(0.5, (0.08971, 0.19070, 0.32280)), (1.0, (0.09413, 0.20123, 0.33876))],
 )
 def test_restitution(thesis_impact, restitution, peaks) -> None:
     for velocity, expected in zip((10.0, 15.0, 20.0), peaks, strict=True):
@@ -76,7 +77,7 @@ def test_restitution(thesis_impact, restitution, peaks) -> None:
         peak = float(
             FourDof(time_step=5e-6, **THESIS_SPRINGS).simulate(impact)["peak_displacement"]
         )
-        assert peak == pytest.approx(expected, rel=1e-4)  # measured 4.8e-5
+        assert peak == pytest.approx(expected, rel=1e-4)  # measured 3.4e-5
         by_error = float(FourDof(**THESIS_SPRINGS).simulate(impact)["peak_displacement"])
         assert by_error == pytest.approx(peak, rel=2e-3)
 
