@@ -177,11 +177,12 @@ def begin(drive, progress):
     return pace
 
 
-def march_of(model: Model, longer: float = LONGER) -> Any:
+def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
     """The march of a model: `march(s, pace, progress, records) -> status, rows written`.
 
-    `longer`: times as long a step may be as the one before. The status is GOING where the records
-    (of three rows at least) are full: empty them, read on. The first row of all is the start.
+    `longer`: times as long a step may be as the one before; `cut`: share of a step by no less than
+    which it is repeated. The status is GOING where the records (of three rows at least) are full:
+    empty them, read on. The first row of all is the start.
     """
     hit, settle, accept, write, lost = (
         model.hit,
@@ -291,7 +292,7 @@ def march_of(model: Model, longer: float = LONGER) -> Any:
                 progress.error = pace.error
             else:
                 free = place1 < progress.highest and end > 0.0 and impulse == 0.0
-                factor = judge(progress, pace, longer, dt, change, free, flow)
+                factor = judge(progress, pace, longer, cut, dt, change, free, flow)
                 share = to_peak(progress, dt, place, speed, end) if controlled else 1.0
                 if share < 1.0 and dt > pace.first:
                     factor = -min(share, abs(factor))

@@ -119,12 +119,13 @@ def growth(pace, error, rate, dt, flow):
 
 
 @njit(cache=True, error_model="numpy")
-def judge(progress, pace, longer, dt, change, free, flow):
+def judge(progress, pace, longer, cut, dt, change, free, flow):
     """The error controller: factor of the next step over one of `dt` (s); below 0: repeat this one.
 
-    Arguments: `progress`, of `integrator.PROGRESS`; how much `longer` a step may be; `change` of
-    the acceleration (m/s2) since the last step; whether the structure only vibrates, `free`; the
-    measured `flow`. Writes the tolerated error into the progress.
+    Arguments: `progress`, of `integrator.PROGRESS`; how much `longer` a step may be, and by no less
+    than which share it is `cut`; `change` of the acceleration (m/s2) since the last step; whether
+    the structure only vibrates, `free`; the measured `flow`. Writes the tolerated error into the
+    progress.
     """
     if not (progress.smooth and pace.error < np.inf):
         return longer
@@ -136,5 +137,5 @@ def judge(progress, pace, longer, dt, change, free, flow):
     rate = trend / (0.5 * (dt + progress.before))
     factor = growth(pace, progress.error * progress.scale, rate, dt, flow)
     if factor < REPEATED and dt > pace.first:
-        return -max(factor, CUT)
+        return -max(factor, cut)
     return min(max(factor, SUCCESSOR), longer)

@@ -29,6 +29,7 @@ from workbench.structures.superelements.step_kernels import Body, Motion, Work, 
 from workbench.structures.time_steps import PointMass
 
 LONGER = 1.5  # times as long a step may be as the one before: with 2 peaks are ten times as far off
+CUT = 0.2  # least share of a repeated step: with 0.1 peaks of columns scatter a third wider
 WORK, REPEATS = 1e-9, 3  # of the energy brought in, that a residual may do in a step; tries at that
 NUMBERS = 500_000  # that are handed over at a time, at most
 SUMS = (*StepEnergies._fields, "external_work")
@@ -194,7 +195,7 @@ def collapsed(s):
 
 # forces between striker and bars ring: to open where their straight line ends took 8 times the work
 _STEP = contact_step_of(hit, solve, released=False)
-advance = march_of(Model(hit, solve, settle, accept, write, collapsed, step=_STEP), LONGER)
+advance = march_of(Model(hit, solve, settle, accept, write, collapsed, step=_STEP), LONGER, CUT)
 
 
 @njit(cache=True, error_model="numpy")
