@@ -65,7 +65,7 @@ def test_listing_names_imports_nothing() -> None:
 def test_an_unknown_name_lists_the_known_and_the_nearest() -> None:
     with pytest.raises(InputError, match=r"must be one of .*four-dof.*did you mean single-dof\?"):
         registry.make_model("singel-dof")
-    with pytest.raises(InputError, match="see `workbench models`"):
+    with pytest.raises(InputError, match=r"installed again\); see `workbench models`"):
         registry.make_model("xyzzy")
 
 

@@ -11,6 +11,7 @@ from workbench.fields import did_you_mean
 from workbench.models.base import Model, with_options
 
 GROUP = "workbench.models"  # of the entry points that offer models
+_NEW = " (a new entry point counts once its package is installed again)"
 _DECLARED = ("name", "version", "answers", "assumptions", "sources", "domain", "simulate")
 
 
@@ -46,11 +47,12 @@ def model_kind(name: str) -> type[Any]:
     known = model_names()
     if name not in known:
         advice = did_you_mean(name, known, "see `workbench models`")
-        raise InputError("model", name, "must be one of " + ", ".join(known), advice)
+        text = f"must be one of {', '.join(known)}{_NEW}"
+        raise InputError("model", name, text, advice)
     offer = _offer(name)
     if offer.kind is None:
-        said = f"cannot be used: {offer.problem}"
-        raise InputError("model", name, said, "see `workbench doctor`")
+        text = f"cannot be used: {offer.problem}"
+        raise InputError("model", name, text, "see `workbench doctor`")
     return offer.kind
 
 
