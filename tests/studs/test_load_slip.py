@@ -32,11 +32,6 @@ from workbench.studs.load_slip import (
 from workbench.studs.tables import curves_of, first_loading
 
 SLIPS = np.linspace(0.0, 8e-3, 60)
-BOUNDS = {  # of the parameters that are fitted
-    "ollgaard": {"rate": (10.0, 1e5), "exponent": (0.05, 10.0)},
-    "bilinear": {"yield_slip": (1e-5, 0.02)},
-    "rational": {"peak_slip": (1e-4, 0.05), "stiffness_ratio": (1.01, 500.0)},
-}
 
 
 def test_published_ollgaard() -> None:
@@ -210,7 +205,7 @@ def squares(law: str, start: np.ndarray, curve: tuple[np.ndarray, np.ndarray]) -
         own = {**dict(zip(names, np.exp(theta).tolist(), strict=True)), **LAWS[law].held}
         return LAWS[law].fitted(own, float(slip.max())).ratio(slip) - ratio
 
-    low, high = (np.log([BOUNDS[law][name][k] for name in names]) for k in (0, 1))
+    low, high = (np.log([LAWS[law].bounds[name][k] for name in names]) for k in (0, 1))
     tight = {"xtol": 1e-10, "ftol": 1e-10, "gtol": 1e-10}
     begin = low + 1e-3 + start[: len(names)] * (high - low - 2e-3)
     return 2.0 * float(least_squares(error, begin, bounds=(low + 1e-9, high - 1e-9), **tight).cost)
@@ -218,7 +213,7 @@ def squares(law: str, start: np.ndarray, curve: tuple[np.ndarray, np.ndarray]) -
 
 def no_start_is_better(curves: pd.DataFrame, law: str, starts: int) -> None:
     generator, count = np.random.default_rng(27), 0
-    for name, slip, load in curves_of(curves, falling=law == "rational"):
+    for name, slip, load in curves_of(curves, falling=LAWS[law].falling):
         if len(slip) < 3:
             continue
         fit = fit_curve(slip, load, law, held=LAWS[law].held)

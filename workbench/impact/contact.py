@@ -99,10 +99,11 @@ def collide(
 def contact_step_of(hit: Any, solve: Any, released: bool = True) -> Any:
     """The step of a model that writes contact into its equations; see `integrator.Model`.
 
-    Result of `step(s, progress, dt, may)`, `may`: whether contact is possible: whether a state of
-    contact fits, impulse (N s), velocity of the hit point at the end, energy lost in contact. Where
-    the contact opens within the step the length up to there is written as `progress.release`, if
-    contacts are `released` there: not where their forces ring, which are no straight line.
+    `step(s, progress, dt, may) -> done, impulse (N s), end velocity of the hit point (m/s), energy
+    lost in contact (J)`; `may`: whether contact is possible. The step is solved closed if bodies do
+    not separate, else open, and the other way if the law refuses that. `released`: a step in which
+    the contact opens is not done; its length up to there, by a straight line through the mean
+    forces of two steps, is written as `progress.release`. Not for forces that ring.
     """
 
     @inner

@@ -2,19 +2,20 @@
 
 A model brings its own bundle of constants, committed and trial state and scratch, the *system* `s`
 (a NamedTuple of arrays and records, defined in a module), and plain compiled functions of it, a
-`Model`. The integrator never looks inside a system: it owns striker, clock, contact, impulses,
-length of steps, peak, timing of records, ends. One step goes like this:
+`Model`. The integrator never looks inside a system: it owns the striker, the clock, contact and its
+impulses, the length of steps, the peak, the timing of records, and what ends a run. One step:
 
 1. `march` asks `hit` where the structure is hit and how fast. Bodies that touch and approach
    collide at an instant if the hit point has a `mass` of its own (`kick`); else within a step.
 2. The length is that of the controller (`pace.judge`), at most to the next impact (`pace.aimed`).
-3. `contact_step_of` has the model `solve` the step, closed or open, and takes what obeys
-   0 <= P perp gamma_1 + e gamma_0 >= 0: here alone contact is decided.
-4. A step in which the gap closes unforeseen (`pace.met`), that errs too much (`pace.judge`) or
-   passes a peak is taken again, shorter. Nothing is committed until then.
-5. The pending record is written if the new state lies a `spacing` behind the last one, then
-   the model may `accept`, and is asked whether it is `lost` (collapse), or `calm`: then `coast`
-   writes the rest of the record in closed form.
+3. `contact_step_of` has the model `solve` the step with contact closed or open, and takes the
+   solution that obeys 0 <= P perp gamma_1 + e gamma_0 >= 0. This decides contact within a step; a
+   model with a `step` of its own decides there (Moreau's: `contact.moreau_step_of`).
+4. A step in which the gap closes (`pace.met`), whose error is too large (`pace.judge`), or in which
+   the hit point passes its peak, is taken again, shorter. Nothing has been committed so far.
+5. The committed state is recorded if the new one lies a `spacing` behind the last record. Then the
+   model must `accept` the new one, and is asked whether it is `lost` (collapse), or `calm`: then
+   `coast` writes the rest of the record in closed form.
 
 How to put a model on it (`models/single_dof/march.py` is the smallest example)::
 
@@ -69,18 +70,22 @@ PROGRESS = np.dtype(  # how far an impact has been followed, all that the integr
     [
         *((name, float) for name in ("mass", "restitution", "place", "velocity")),  # of the striker
         ("contact_loss", float),  # energy lost in contact so far, J
-        ("approach", float),  # velocity of the striker at first, m/s
-        ("scale", float),  # velocity that the hit gives, over which errors are measured
-        *((name, float) for name in ("time", "dt", "before", "least")),  # next, last length, s
+        ("approach", float),  # first velocity of the striker, m/s
+        ("scale", float),  # velocity that the hit gives the hit point, m/s; errors are shares of it
+        # now, next step, last step, shortest step up to where a contact opens, s
+        *((name, float) for name in ("time", "dt", "before", "least")),
         *((name, float) for name in ("acceleration", "change")),  # of the hit point, last ones
         ("highest", float),  # place at the end of a step so far, m
         *((name, float) for name in ("peak", "time_of_peak")),  # largest place of standstill
-        *((name, float) for name in ("error", "calm")),  # tolerated now; none is loose before
-        *((name, float) for name in ("recorded", "carried")),  # time (s), impulse since (N s)
-        *((name, float) for name in ("pushed", "release")),  # last mean contact force (N); a cut
+        ("error", float),  # tolerated now, as a share
+        ("calm", float),  # time before which that of a vibration is not allowed, s
+        *((name, float) for name in ("recorded", "carried")),  # last record (s), impulse since, N s
+        ("pushed", float),  # mean contact force of the last step, N
+        ("release", float),  # length of the step up to where the contact opens, s; 0: unknown
         ("residual", float),  # of the last solution, over the allowed one
         *((name, int) for name in ("steps", "evaluations", "cuts")),
-        *((name, bool) for name in ("begun", "smooth")),
+        ("begun", bool),
+        ("smooth", bool),  # the last step was no impact: accelerations have a rate
     ]
 )
 COMMON = (  # columns of the records of all models, written here; kinetic energy with the striker
@@ -142,7 +147,7 @@ def no_closing(s, progress, impulse):
 
 @inner
 def never(s, progress):
-    """A structure that is stepped through to the end."""
+    """Never calm: steps go on to the end."""
     return False
 
 
@@ -160,9 +165,9 @@ def no_flow(s, dt):
 
 @njit(cache=True, error_model="numpy")
 def begin(drive, progress):
-    """The pace of an impact, whose progress begins with what drives it.
+    """Return the pace of an impact; set its progress at the first call.
 
-    The `drive` is a row of numbers, which to hand over one by one costs more than many steps: those
+    The `drive` is one row of numbers, as passing them one by one costs more than many steps: those
     of `Pace`; mass (kg; 0: none), velocity (m/s) and restitution of the striker; the time (s)
     before which no step is as long as in a vibration; then, from `DRIVE` on, what a model adds.
     """
@@ -180,9 +185,9 @@ def begin(drive, progress):
 def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
     """The march of a model: `march(s, pace, progress, records) -> status, rows written`.
 
-    `longer`: times as long a step may be as the one before; `cut`: share of a step by no less than
-    which it is repeated. The status is GOING where the records (of three rows at least) are full:
-    empty them, read on. The first row of all is the start.
+    `longer`: times as long a step may be as the one before; `cut`: least share of its length that a
+    repeated step keeps. The status is GOING when the records (three rows at least) are full: read
+    them and call again. The very first row is the start.
     """
     hit, settle, accept, write, lost = (
         model.hit,
@@ -288,7 +293,7 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
             change = acceleration - progress.acceleration
             place1 = place + 0.5 * dt * (speed + end)
             struck = impulse > 0.0 and gamma < -slowest
-            if struck:  # the first step again
+            if struck:  # factor 0: the next step is as short as the first
                 progress.error = pace.error
             else:
                 free = place1 < progress.highest and end > 0.0 and impulse == 0.0

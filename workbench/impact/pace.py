@@ -1,9 +1,10 @@
 """How an impact is stepped through: as long as the error allows, or steps of one length.
 
 The midpoint rule errs by dt^3 / 12 times the rate of the acceleration of the hit point in its
-displacement. An impact is stepped on to and followed by a first, very short step. After the first
-rebound only the phase of an elastic vibration is at stake, and longer steps are taken; `late_peak`
-tells where more was. All constants of the integrator stand here.
+displacement. A step ends at an impact, and a very short first step follows. Once the structure
+has swung back below its largest displacement only the phase of a vibration is at stake, and longer
+steps are taken; `late_peak` says whether that was too early. All constants of the integrator stand
+here.
 """
 
 from math import ceil, inf
@@ -14,18 +15,18 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.compiled import njit
 
-# Numbers whose error a step may hold: too close to matter to a peak, too far to be round-off.
+# Tolerances: too small to move a peak, too large to be round-off.
 SLACK = 1e-9  # m; in equal steps a smaller gap is round-off, which must not open a lasting contact
 CLOSE = 1e-8  # of the way of the striker in the first step, below which a gap is closed
-CLOSER = 0.999  # of the way to the next impact, stepped on to where it takes a short step
+CLOSER = 0.999  # of the gap, which a step may close before the short step of an impact
 APART = 1e-9  # of the striker's first velocity; bodies that approach slower do not collide
 SOFT = 1e-3  # of the striker's first velocity; what would rebound slower stays in contact
 RELEASED = 0.95  # of a step in which a contact opens; one that opens later opens at its end
-AT_REST = 1e-4  # of the velocity that the hit gives, above which a peak is stepped on to
-SHORTEST = 1e-6  # of the first step, to which a collision at an instant is stepped on
+AT_REST = 1e-4  # of the velocity that the hit gives; a step that ends slower has met the peak
+SHORTEST = 1e-6  # of the first step: the shortest step up to a collision at an instant
 # Control of the length: a repeated step costs as much as a good one, so a miss of 30 % is kept.
-REPEATED = 0.7  # a step that should have been shorter than this share of it is taken again,
-CUT, SUCCESSOR = 0.1, 0.3  # by no less than this share; the next one is no shorter than that
+REPEATED = 0.7  # a step that should have been shorter than this share of it is taken again
+CUT, SUCCESSOR = 0.1, 0.3  # least shares of a length: of a repeated step, of the next step
 LONGER = 2.0  # times as long a step may be as the one before, if a model says nothing else
 PIECES = 4096  # into which the first step may be cut where equations have no solution
 NEARLY = 0.99  # of the peak; long steps may have missed what is higher
@@ -82,7 +83,7 @@ def late_peak(
 
 @njit(cache=True, error_model="numpy")
 def aimed(pace, time, dt, gap, gamma):
-    """The step that does not go beyond the end, the next of equal steps, or the next impact."""
+    """`dt` (s), at most to the end of the record, the next of equal steps or the next impact."""
     if not pace.error < np.inf:
         ahead = (np.floor(time / pace.longest + 1e-6) + 1.0) * pace.longest - time
         return ahead if dt > (1.0 - 1e-6) * ahead else dt
@@ -94,9 +95,10 @@ def aimed(pace, time, dt, gap, gamma):
 
 @njit(cache=True, error_model="numpy")
 def met(gap, start, end, dt, allowed):
-    """When the gap (m) closes in an open step of `dt`, whose ends see it grow by `start` and `end`.
+    """Time (s) after which the gap (m) closes in an open step of `dt`.
 
-    Infinite where the overlap grows by no more than is `allowed` (m).
+    Arguments: velocities of the gap at both ends of the step, `start` and `end` (m/s). Infinite
+    where the overlap grows by no more than is `allowed` (m).
     """
     if gap + 0.5 * dt * (start + end) > min(gap, 0.0) - allowed:
         return np.inf
@@ -122,8 +124,8 @@ def growth(pace, error, rate, dt, flow):
 def judge(progress, pace, longer, cut, dt, change, free, flow):
     """The error controller: factor of the next step over one of `dt` (s); below 0: repeat this one.
 
-    Arguments: `progress`, of `integrator.PROGRESS`; how much `longer` a step may be, and by no less
-    than which share it is `cut`; `change` of the acceleration (m/s2) since the last step; whether
+    Arguments: `progress`, of `integrator.PROGRESS`; how much `longer` a step may be; least share of
+    a repeated one, `cut`; `change` of the acceleration (m/s2) since the last step; whether
     the structure only vibrates, `free`; the measured `flow`. Writes the tolerated error into the
     progress.
     """

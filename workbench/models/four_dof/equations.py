@@ -147,7 +147,7 @@ def aim(s):
 
 @inner
 def bend(s):
-    """The tangent along the step, twice."""
+    """Return d'Kd of the step d with the tangent K."""
     total = 0.0
     for i in range(4):
         for k in range(4):

@@ -62,7 +62,7 @@ def solve(s, dt, closed, touch, striker):
 def settle(s, dt):
     """Plastic flow; the largest one of a hinge over its elastic deformation at yielding.
 
-    Webs that slide are held by the hinges that turn with them.
+    Plastic shear of webs has no bound of its own: the hinges that turn with it have.
     """
     column, start, end = s.columns[0], s.states[0], s.states[1]
     statics.commit(column, s.room[0].stress0, end, s.room[0])
@@ -123,8 +123,7 @@ def chords(lengths, q):
 def lost(s):
     """Whether v1 passes nine tenths of a bar, or the bars are squashed by a tenth.
 
-    Of its first length, or of the distance that is left between its ends, which a chord that turns
-    over passes in any case.
+    The length of a bar is its first one, or the distance left between its ends if that is shorter.
     """
     lengths, q = s.columns[0].lengths, s.states[0].q
     below, above = chords(lengths, q)

@@ -37,12 +37,12 @@ _BEAMS = ("fiber-reissner", "fiber-corotational", "fiber-shear")
 
 
 def synthetic(stored: Stored) -> tuple[Block, ...]:
-    """That numbers are made, where they are."""
+    """Callout of a study whose numbers are made, not measured."""
     return PAGE.blocks("synthetic") if stored.synthetic else ()
 
 
 def footnote(study: Study, stored: Stored) -> tuple[Block, ...]:
-    """That nothing was measured, where a study of impacts has no test."""
+    """Remark under a study of impacts without a single test."""
     struck = any(hasattr(case.scenario, "striker") for case in study.cases)
     return PAGE.blocks("footnote") if struck and (stored.synthetic or not _tests(study)) else ()
 
@@ -58,7 +58,7 @@ def validation(study: Study, stored: Stored) -> Section | None:
 
 
 def _sources(study: Study, stored: Stored) -> list[dict[str, Any]]:
-    """Where the tests are from, as stored with the answers."""
+    """Data sets of the tests, as stored with the answers, and how many tests each gave."""
     datasets: dict[str, dict[str, Any]] = {}
     for case in study.cases:
         for label in _tests(study):
@@ -125,7 +125,7 @@ def _interval(metric: str, row: dict[str, Any]) -> str:
 
 
 def _sampled(stored: Stored, case: str, label: str, quantity: str) -> str:
-    """A value with its interval over tests."""
+    """Value and interval of a quantity that is a statistic of tests."""
     response = stored.response(case, label)
     ends = None if response is None else sampled_interval(response, quantity)
     values = (stored.number(case, label, quantity), *(ends or ()))
@@ -184,7 +184,7 @@ def convergence(study: Study, stored: Stored, figures: Iterable[Block]) -> Secti
 
 
 def _has_level(study: Study, stored: Stored, row: dict[str, Any]) -> bool:
-    """Whether a row of the ladder has values, or lacks them because a level did not answer."""
+    """Whether a row of the ladder is shown: it has values, or a level should have answered."""
     return any(row[label] is not None for label in study.steps) or any(
         stored.expects(row["case"], label) and not stored.ok(row["case"], label)
         for label in (*study.ladder, study.reference)
