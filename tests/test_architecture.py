@@ -75,10 +75,12 @@ def test_no_floor_imports_from_above(path: Path) -> None:
             assert FLOORS.index(floor) <= FLOORS.index(here), f"{path} imports {name}"
 
 
-def test_modules_are_small() -> None:
+def test_modules_hold_one_thought() -> None:
     lengths = sorted(len(path.read_text(encoding="utf-8").splitlines()) for path in MODULES)
     assert lengths[-1] <= 350
-    assert lengths[len(lengths) // 2] <= 150
+    # One thought a module: neither a scatter of tiny ones nor a heap.
+    assert 100 <= lengths[len(lengths) // 2] <= 200
+    assert len(lengths) <= 300
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(ROOT)))

@@ -12,7 +12,7 @@ import pytest
 from workbench.cli import run
 from workbench.scenarios import ColumnImpact, ColumnPushover, to_toml
 
-HEAVY = ("numpy", "scipy", "numba", "xarray", "pandas", "netCDF4", "matplotlib", "rich", "typst")
+HEAVY = ("numpy", "scipy", "numba", "xarray", "pandas", "matplotlib", "rich", "typst")
 
 
 def process(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:

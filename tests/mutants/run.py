@@ -35,7 +35,7 @@ NOTICED = "noticed"
 ENDINGS = {0: "NOT NOTICED", 1: NOTICED, 2: NOTICED, -1: "ERROR: no end"}  # by status of pytest
 # imported once: each trial begins with them
 SHARED = (
-    *("pytest", "numba", "pandas", "xarray", "netCDF4", "matplotlib.figure", "jinja2", "rich"),
+    *("pytest", "numba", "pandas", "xarray", "matplotlib.figure", "jinja2", "rich"),
     *("scipy.optimize", "scipy.stats", "scipy.interpolate", "scipy.sparse.linalg"),
 )
 
