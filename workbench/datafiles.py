@@ -51,15 +51,15 @@ def open_input(path: Path, field: str, largest: int = LARGEST_FILE) -> BufferedR
     except (OSError, ValueError) as error:  # ValueError: a zero byte in the name
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(field, str(path), f"cannot be read: {reason}") from error
-    found = os.fstat(stream.fileno())
-    if stat.S_ISREG(found.st_mode) and found.st_size <= largest:
+    status = os.fstat(stream.fileno())
+    if stat.S_ISREG(status.st_mode) and status.st_size <= largest:
         return stream
     stream.close()
-    if not stat.S_ISREG(found.st_mode):
+    if not stat.S_ISREG(status.st_mode):
         text, advice = "is a pipe or a device, which may never end", "save it as a file"
         raise InputError(field, str(path), text, advice)
     limit = f"must not exceed {largest / 1e6:g} MB"
-    raise InputError(field, f"{found.st_size / 1e6:.0f} MB", limit, "is this the right file?")
+    raise InputError(field, f"{status.st_size / 1e6:.0f} MB", limit, "is this the right file?")
 
 
 def digest(path: Path) -> str:

@@ -171,9 +171,9 @@ def rules(
     rows = table(validity_rows(chosen, tables, held_out), VALIDITY_COLUMNS)
     checks = list(checked(chosen, tables, held_out))
     path, _ = _written({TABLE: rows, RANGES: table(range_rows(chosen), RANGE_COLUMNS)}, out)
-    right, asked = (sum(row[name] for row in checks) for name in ("right", "asked"))
+    right, total = (sum(row[name] for row in checks) for name in ("right", "asked"))
     text = f"{len(rows)} regions of {len(checks)} models in {path}."
-    share = f" Right on {right} of {asked} answers on hold-out columns." if asked else ""
+    share = f" Right on {right} of {total} answers on hold-out columns." if total else ""
     columns = tuple(Column(title, of=title) for title in ("label", "asked", "right"))
     shown = Table.of("checks", "Hold-out columns.", columns, checks)
     content = {"rows": len(rows), "file": path, "checks": checks}

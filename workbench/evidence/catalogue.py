@@ -76,9 +76,9 @@ def datasets() -> tuple[Dataset, ...]:
 
     Raises `InputError` if a catalogue is broken.
     """
-    own = own_data_directory() / CATALOGUE
+    user_catalogue = own_data_directory() / CATALOGUE
     shipped = datasets_in(data_directory() / CATALOGUE)
-    return (*shipped, *datasets_in(own)) if own.is_file() else shipped
+    return (*shipped, *datasets_in(user_catalogue)) if user_catalogue.is_file() else shipped
 
 
 def datasets_in(path: Path) -> tuple[Dataset, ...]:
@@ -128,8 +128,8 @@ def check() -> list[str]:
     entries = datasets()
     names = [entry.name for entry in entries]
     twice = [f"dataset {n}: the name stands twice" for n in set(names) if names.count(n) > 1]
-    told = (f"dataset {entry.name}: {text}" for entry in entries for text in _problems(entry))
-    return [*sorted(twice), *told]
+    problems = (f"dataset {entry.name}: {text}" for entry in entries for text in _problems(entry))
+    return [*sorted(twice), *problems]
 
 
 def _problems(entry: Dataset) -> Iterator[str]:

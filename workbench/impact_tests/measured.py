@@ -85,6 +85,6 @@ class Measured(Answering):
         widths = {name: width for name, (_, width) in test.measured.items()}
         response.attrs["data_uncertainty"] = json.dumps(widths, sort_keys=True)
         entries = [{name: getattr(entry, name) for name in _TOLD} for entry in test.entries]
-        told = {"tests": test.names, "campaign": test.campaign, "datasets": entries}
-        response.attrs["data"] = json.dumps(told, sort_keys=True)
+        sources = {"tests": test.names, "campaign": test.campaign, "datasets": entries}
+        response.attrs["data"] = json.dumps(sources, sort_keys=True)
         return response

@@ -65,9 +65,9 @@ def scenario_of(row: Row) -> ColumnImpact:
     column |= {"length_below": hit, "length_above": round(span - hit, 9)}
     others = {part: {key: row[name] for key, name in of.items()} for part, of in _OTHER.items()}
     name = f"{row['campaign']} {row['specimen']}"
-    found = scenario_from({"kind": ColumnImpact.KIND, "name": name, "column": column, **others})
-    assert isinstance(found, ColumnImpact)
-    return found
+    scenario = scenario_from({"kind": ColumnImpact.KIND, "name": name, "column": column, **others})
+    assert isinstance(scenario, ColumnImpact)
+    return scenario
 
 
 def _contradictions(row: Row) -> Iterator[RowFinding]:
@@ -160,11 +160,11 @@ def tables(name: str | None = None) -> tuple[Dataset, ...]:
 
     Raises `InputError` for a name that is none of them.
     """
-    found = tuple(entry for entry in datasets() if entry.kind == IMPACT_TESTS)
+    entries = tuple(entry for entry in datasets() if entry.kind == IMPACT_TESTS)
     if name is None:
-        return found
-    if dataset(name) not in found:
-        known_names = ", ".join(entry.name for entry in found)
+        return entries
+    if dataset(name) not in entries:
+        known_names = ", ".join(entry.name for entry in entries)
         raise InputError("dataset", name, f"holds no impact tests; there are {known_names}")
     return (dataset(name),)
 

@@ -37,15 +37,15 @@ def suspicions(rows: pd.DataFrame) -> list[Finding]:
     texts = [*_loads(rows)]
     for first, second in same_contents(rows):
         texts.append(f"{first} and {second} hold the same numbers: one test under two names?")
-    for campaign, own in rows.groupby("campaign", sort=False):
-        texts += _energies(str(campaign), list(records(own)))
+    for campaign, campaign_rows in rows.groupby("campaign", sort=False):
+        texts += _energies(str(campaign), list(records(campaign_rows)))
     return [Finding("data", text) for text in texts]
 
 
 def _loads(rows: pd.DataFrame) -> Iterator[str]:
-    for campaign, own in rows.groupby("campaign", sort=False):
+    for campaign, campaign_rows in rows.groupby("campaign", sort=False):
         shares = []
-        for row in records(own):
+        for row in records(campaign_rows):
             column = scenario_of(row).column
             if column.axial_load:
                 shares.append(abs(column.axial_load) / column.properties.squash_load)
@@ -93,12 +93,12 @@ def _energies(campaign: str, rows: list[Row]) -> Iterator[str]:
 
 def _ratio(hits: dict[int, ColumnImpact], peaks: dict[int, float]) -> float | None:
     """Median of measured over estimated peak, None where more than half have no estimate."""
-    found = []
+    ratios = []
     for number, hit in hits.items():
         answer = EnergyEstimate().simulate(hit)
         if outcome_of(answer) is Outcome.OK:
-            found.append(peaks[number] / float(answer["peak_displacement"]))
-    return float(np.median(found)) if 2 * len(found) > len(hits) else None
+            ratios.append(peaks[number] / float(answer["peak_displacement"]))
+    return float(np.median(ratios)) if 2 * len(ratios) > len(hits) else None
 
 
 def _as(hit: ColumnImpact, velocity: float, mass: float) -> ColumnImpact:

@@ -70,17 +70,17 @@ def add_table(
     folder (default: the one that the catalogue reads); `name` in the catalogue; `despite_doubts`,
     take what looks absurd. Raises `InputError`, with nothing written.
     """
-    told = Mapping() if mapping is None else read_mapping(mapping)
+    statements = Mapping() if mapping is None else read_mapping(mapping)
     folder = own_data_directory() if into is None else into
     if folder.resolve().is_relative_to(data_directory().resolve()):
         text = "holds the data that come with the workbench, which are read only"
         raise InputError("--into", str(folder), text, "name another folder")
-    names = [*names_in(path), *(told.columns or {}).values(), *(told.constants or {})]
-    which = kind_of(names, kind or told.kind, lambda n, table: find(n, table) is not None)
-    converted = convert(path, KINDS[which].table, told, _common(told, KINDS[which]))
+    names = [*names_in(path), *(statements.columns or {}).values(), *(statements.constants or {})]
+    which = kind_of(names, kind or statements.kind, lambda n, table: find(n, table) is not None)
+    converted = convert(path, KINDS[which].table, statements, _common(statements, KINDS[which]))
     rows = _examined(converted, path, KINDS[which].table)
-    entry = _entry(path, which, told, rows, converted)
-    entry = replace(entry, name=_name(name or told.name, path), folder=str(folder))
+    entry = _entry(path, which, statements, rows, converted)
+    entry = replace(entry, name=_name(name or statements.name, path), folder=str(folder))
     entry = replace(entry, file=f"{entry.name}.csv")
     if entry.role == SYNTHETIC:  # every output shows the name of the campaign
         campaigns = rows["campaign"].str.removeprefix(_MARK).str.strip()
@@ -111,40 +111,40 @@ def folder_is_read(folder: Path) -> bool:
     return folder.resolve() == own_data_directory().resolve()
 
 
-def _common(told: Mapping, kind: Kind) -> dict[str, str]:
+def _common(statements: Mapping, kind: Kind) -> dict[str, str]:
     """What the mapping says of all rows, as cells of the columns of the schema."""
-    role = told.role
+    role = statements.role
     if role == SYNTHETIC and role not in kind.table.words("role"):
         role = "verify"  # neither fitted nor validated by
-    given = {kind.source: told.source, "licence": told.licence, "role": role}
-    if "year" in kind.table.names and told.year is not None:
-        given["year"] = str(told.year)
-    if told.role == SYNTHETIC and "origin" in kind.table.names:
+    given = {kind.source: statements.source, "licence": statements.licence, "role": role}
+    if "year" in kind.table.names and statements.year is not None:
+        given["year"] = str(statements.year)
+    if statements.role == SYNTHETIC and "origin" in kind.table.names:
         given["origin"] = SYNTHETIC
     return {name: cell for name, cell in given.items() if cell is not None}
 
 
 def _examined(converted: Converted, path: Path, table: Table) -> pd.DataFrame:
     """The rows; a bad cell is named by the column of the file that it came from."""
-    found = read_text(converted.text, table, path.name)
+    rows = read_text(converted.text, table, path.name)
     problems = tuple(
         replace(problem, column=f"{problem.column} (from {converted.origin[problem.column]})")
         if problem.column in converted.origin
         else problem
-        for problem in found.problems
+        for problem in rows.problems
     )
-    return replace(found, problems=problems).accept()
+    return replace(rows, problems=problems).accept()
 
 
 def _entry(
-    path: Path, which: str, told: Mapping, rows: pd.DataFrame, converted: Converted
+    path: Path, which: str, statements: Mapping, rows: pd.DataFrame, converted: Converted
 ) -> Dataset:
     """The entry of the catalogue, still without a name. Raises `InputError`."""
     kind = KINDS[which]
     stated = {"source": kind.source} | {name: name for name in _PROVENANCE}
-    found: dict[str, Any] = {name: getattr(told, name) for name in stated}
+    fields: dict[str, Any] = {name: getattr(statements, name) for name in stated}
     for name, column in stated.items():
-        if found[name] is None:
+        if fields[name] is None:
             values = list(dict.fromkeys(rows[column])) if column in rows else []
             values = [value for value in values if value not in ("", None)]
             if not values or (rows[column] == "").any():
@@ -153,7 +153,7 @@ def _entry(
             if name == "role" and len(values) > 1:
                 raise InputError(f"{path.name}, role", ", ".join(values), "must be one for a table")
             whole = (f"{value:g}" if isinstance(value, float) else str(value) for value in values)
-            found[name] = "; ".join(whole)
+            fields[name] = "; ".join(whole)
     for column in {kind.source, "licence"} & set(rows):
         for line, text in enumerate(rows[column], start=1):
             check_stated(f"{path.name}, row {line}, column {column}", text)
@@ -164,17 +164,17 @@ def _entry(
     made = f"{path.name} (sha256 {digest}) by workbench data add, {__version__}"
     return Dataset(
         name="unnamed",
-        title=told.title or f"{words.capitalize()} of {campaigns}"[:2000],
+        title=statements.title or f"{words.capitalize()} of {campaigns}"[:2000],
         file="unnamed.csv",
-        source=found["source"][:2000],
-        licence=found["licence"][:2000],
-        role=found["role"],
-        uncertainty=told.uncertainty or kind.uncertainty,
+        source=fields["source"][:2000],
+        licence=fields["licence"][:2000],
+        role=fields["role"],
+        uncertainty=statements.uncertainty or kind.uncertainty,
         columns={n: meanings.get(n, "column of the source") for n in _filled(rows)},
         units="as the column names say; empty cells mean not reported",
-        key=told.key or "",
+        key=statements.key or "",
         kind=which,
-        year=str(found["year"]),
+        year=str(fields["year"]),
         made="; ".join([made, *converted.notes])[:2000],
     )
 
@@ -242,8 +242,8 @@ def _write(entry: Dataset, doubts: Sequence[str], content: bytes) -> tuple[Datas
             break
         kept.append(f"{entry.path} was there and is left as it is")
         entry = replace(entry, file=f"{entry.name}-{len(kept) + 1}.csv")
-    told, path = asdict(entry), Path(entry.folder) / CATALOGUE
-    given = {name: told[name] for name in told if told[name] and name != "folder"}
+    fields, path = asdict(entry), Path(entry.folder) / CATALOGUE
+    given = {name: fields[name] for name in fields if fields[name] and name != "folder"}
     block = tomli_w.dumps({"dataset": [given]})
     try:
         before = path.read_text(encoding="utf-8") if path.is_file() else ""

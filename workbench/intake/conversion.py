@@ -157,10 +157,10 @@ def _unit_row(
         for cell, place in zip(cells, places, strict=False)
         if place and place.column and isinstance(place.column.rule, Number)
     ]
-    found = any(map(is_unit, numbers)) and not any(map(NUMBER.fullmatch, numbers))
-    if mapping.unit_row and (not found or len(cells) != len(places)):
+    has_units = any(map(is_unit, numbers)) and not any(map(NUMBER.fullmatch, numbers))
+    if mapping.unit_row and (not has_units or len(cells) != len(places)):
         raise InputError(f"{name}, line {line}", ",".join(cells), "is no row of units")
-    if not found or len(cells) != len(places):
+    if not has_units or len(cells) != len(places):
         return None
     return [spelled(cell) for cell in cells]
 
@@ -297,8 +297,8 @@ def factor(unit: str, into: str, field: str) -> float:
     Raises `InputError` naming `field` for a unit that is not on the list, or of another quantity.
     """
     quantity, value = _ALL[into]
-    own = _ALL.get(spelled(unit))
-    if own is None or own[0] != quantity:
+    exact = _ALL.get(spelled(unit))
+    if exact is None or exact[0] != quantity:
         allowed = f"is no unit of a {quantity} that is known; " + ", ".join(UNITS[quantity])
         raise InputError(field, unit, allowed, did_you_mean(unit, UNITS[quantity]))
-    return own[1] / value
+    return exact[1] / value

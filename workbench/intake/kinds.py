@@ -82,8 +82,8 @@ def check_file(path: Path) -> tuple[list[str], list[str]]:
     Raises `InputError` for a file that cannot be read at all.
     """
     names = set(names_in(path))
-    told = {each.column.name for n in names if (each := find(n, IMPACTS)) and each.column}
-    if {"span_m", "velocity_m_per_s"} <= told:
+    columns = {each.column.name for n in names if (each := find(n, IMPACTS)) and each.column}
+    if {"span_m", "velocity_m_per_s"} <= columns:
         text = convert(path, IMPACTS, Mapping(), {}).text
         found = read_text(text, IMPACTS, path.name)
         doubts = of_impacts.suspicions(found.rows)

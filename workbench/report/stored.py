@@ -188,12 +188,12 @@ class Stored:
     def provenance(self) -> list[dict[str, str]]:
         """The different provenance records of the stored cells, in a fixed order."""
         store = Store(self.directory)
-        found: dict[str, dict[str, str]] = {}
+        entries: dict[str, dict[str, str]] = {}
         for cell in self.cells.values():
             if cell.outcome != NOT_RUN:
                 record = store.record(cell.key).get("provenance", {})
-                found[json.dumps(record, sort_keys=True)] = record
-        return [found[key] for key in sorted(found)]
+                entries[json.dumps(record, sort_keys=True)] = record
+        return [entries[key] for key in sorted(entries)]
 
 
 def _collapse(row: dict[str, Any]) -> Collapse | None:

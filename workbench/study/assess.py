@@ -144,11 +144,13 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
             records[cell.key], responses[cell.key] = answer
     given = []
     for case in study.cases:
-        asked = {cell.label: cell for cell in by_case.get(case.name, [])}
+        cells_by_label = {cell.label: cell for cell in by_case.get(case.name, [])}
         answered = {
-            label: responses[cell.key] for label, cell in asked.items() if cell.key in responses
+            label: responses[cell.key]
+            for label, cell in cells_by_label.items()
+            if cell.key in responses
         }
-        given.append(Answers(study, case, tuple(asked), answered))
+        given.append(Answers(study, case, tuple(cells_by_label), answered))
     tables = {
         "cells": table(
             (

@@ -109,10 +109,10 @@ def cells_of(study: Study) -> list[Cell]:
             advice = "define its class at the top of a module"
             raise InputError(field, type(model).__name__, text, advice) from error
     cells = []
-    asked = [(case, label, study.models[label]) for case, label in study.cells()]
+    triples = [(case, label, study.models[label]) for case, label in study.cells()]
     for case, label in study.varied_cells():
-        asked.append((case, label, on_one_mesh(study.models[label])))
-    for case, label, model in asked:
+        triples.append((case, label, on_one_mesh(study.models[label])))
+    for case, label, model in triples:
         ingredients = ingredients_of(case.scenario, model)
         cells.append(Cell(case.name, label, case.scenario, model, ingredients, key_of(ingredients)))
     if not cells:

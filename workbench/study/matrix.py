@@ -96,17 +96,17 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
         in_words = ", ".join(named if len(governed) > 1 else governed)
         of_group = cells[cells["case"].isin(cases)]
         for label in models:
-            asked = of_group[of_group["label"] == label].set_index("case")
-            if asked.empty:
+            rows_by_case = of_group[of_group["label"] == label].set_index("case")
+            if rows_by_case.empty:
                 continue
-            held = best.loc[best.index.intersection(asked.index)]
+            held = best.loc[best.index.intersection(rows_by_case.index)]
             yield {
                 **{"group": group, "label": label, "quantity": quantity, "against": in_words},
-                **_ended(asked),
-                **_disagreements(asked["outcome"], best["outcome"]),
+                **_ended(rows_by_case),
+                **_disagreements(rows_by_case["outcome"], best["outcome"]),
                 "synthetic": held["synthetic"].sum(),
                 **_as_reference(held[held["label"] == label]),
-                **_compared(pairs, label, asked.index, held, quantity),
+                **_compared(pairs, label, rows_by_case.index, held, quantity),
             }
 
 

@@ -241,7 +241,7 @@ class Store:
         """
         return (self.cells / f"{key}.json").is_file()
 
-    def answer(self, key: str, asked: Ingredients) -> tuple[Record, Response] | None:
+    def answer(self, key: str, ingredients: Ingredients) -> tuple[Record, Response] | None:
         """Record and response of a cell, read once; None where it is not finished.
 
         Names of files prove nothing: record and response say themselves what they answer. Others
@@ -257,7 +257,9 @@ class Store:
                 return None
             response = _response_in(content)
             check_stored(response)
-            return (record, response) if _answers(response, asked, record["outcome"]) else None
+            return (
+                (record, response) if _answers(response, ingredients, record["outcome"]) else None
+            )
         except UNREADABLE:
             return None
 
@@ -291,9 +293,9 @@ class Store:
             raise WorkbenchError(f"stored cell {path.name} cannot be read: {error}") from error
 
 
-def _answers(response: Response, asked: Ingredients, outcome: str) -> bool:
+def _answers(response: Response, ingredients: Ingredients, outcome: str) -> bool:
     """Whether a response says that it answers what is asked, and ended as its record says."""
     attributes = response.attrs
-    same = all(attributes[mine] == asked[name] for name, mine in _SIGNED.items())
+    same = all(attributes[mine] == ingredients[name] for name, mine in _SIGNED.items())
     options = json.loads(attributes["options"])
-    return same and options == asked["options"] and outcome_of(response) == outcome
+    return same and options == ingredients["options"] and outcome_of(response) == outcome

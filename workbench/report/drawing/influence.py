@@ -17,35 +17,39 @@ _DOTS: Style = {"linestyle": "none", "marker": "o", "markersize": 4.0}
 _KINDS = {False: ("as the others expect it", PALETTE[0]), True: ("an outlier", WARNING)}
 
 
-def plot(found: Mapping[str, pd.DataFrame]) -> Drawing:
+def plot(tables: Mapping[str, pd.DataFrame]) -> Drawing:
     """Rows of `influence_of` by the titles of their panels, the tests below each other."""
-    if not found:
+    if not tables:
         return nothing("Too few tests: none can be left out.")
-    told = pd.concat([rows.assign(panel=title) for title, rows in found.items()])
-    names = told["specimen"]
-    if len(set(told["campaign"])) > 1:
-        names = told["campaign"].str.cat(names, sep=" ")
-    told = told.assign(change=told["without"].astype(float) / told["value"] - 1.0, name=names)
-    size = told["change"].abs().groupby(told["name"], sort=False).max()
-    rows, columns = grid_shape(len(found), 2 if len(found) < 5 else 3)
+    changes = pd.concat([rows.assign(panel=title) for title, rows in tables.items()])
+    names = changes["specimen"]
+    if len(set(changes["campaign"])) > 1:
+        names = changes["campaign"].str.cat(names, sep=" ")
+    changes = changes.assign(
+        change=changes["without"].astype(float) / changes["value"] - 1.0, name=names
+    )
+    size = changes["change"].abs().groupby(changes["name"], sort=False).max()
+    rows, columns = grid_shape(len(tables), 2 if len(tables) < 5 else 3)
     most = int((_HIGHEST / rows - _EDGES) / _ROW)
     shown = list(size.nlargest(most).index) if len(size) > most else list(size.index)
     height = rows * (_ROW * len(shown) + _EDGES)
-    sheet = Sheet.table(rows, columns, height, count=len(found), sharey=True)
+    sheet = Sheet.table(rows, columns, height, count=len(tables), sharey=True)
     if len(shown) < len(size):
         sheet.notes.append(f"Shown are the {len(shown)} of {len(size)} tests that move it most.")
-    for panel, title in zip(sheet.panels, found, strict=True):
-        own = told[told["panel"] == title]
-        _panel(panel, own[own["name"].isin(shown)], shown)
+    for panel, title in zip(sheet.panels, tables, strict=True):
+        panel_rows = changes[changes["panel"] == title]
+        _panel(panel, panel_rows[panel_rows["name"].isin(shown)], shown)
         sheet.name(panel, title, "change without the test (%)", "")
-        worst = own.loc[own["change"].abs().fillna(0.0).to_numpy() == own["change"].abs().max()]
+        worst = panel_rows.loc[
+            panel_rows["change"].abs().fillna(0.0).to_numpy() == panel_rows["change"].abs().max()
+        ]
         if len(worst):
             test, change = worst.iloc[0]["name"], percent(float(worst.iloc[0]["change"]))
             sheet.notes.append(f"{title}: {test} moves it most, by {change} when it is left out.")
-    for far in sorted(set(told["outlier"].astype(bool))):
+    for far in sorted(set(changes["outlier"].astype(bool))):
         words, color = _KINDS[far]
         sheet.legend(entry(words, color=color, **_DOTS))
-    sheet.record(told.drop(columns=["name", "change"]))
+    sheet.record(changes.drop(columns=["name", "change"]))
     return sheet.finish("change of the answer when a test is left out")
 
 
