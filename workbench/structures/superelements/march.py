@@ -193,7 +193,7 @@ def collapsed(s):
     return squashed.size > 0 and squashed.max() > limits.contraction
 
 
-# forces between striker and bars ring: a contact opens at the end of a step, not where a line of them ends
+# forces between striker and bars ring: contacts open at the end of a step, not on a line of forces
 _STEP = contact_step_of(hit, solve, released=False)
 advance = march_of(Model(hit, solve, settle, accept, write, collapsed, step=_STEP), LONGER, CUT)
 
