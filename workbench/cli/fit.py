@@ -166,18 +166,18 @@ class StudStrength(FitVerb):
         """Every formula, as it is and as fitted; Annex B under shear; which scatters least."""
         from workbench.studs import POINTS, TESTS, examine, laboratory
 
-        specified = None if self.specified is None else 1e6 * self.specified
-        TESTS.column("fu_MPa").rule.check("--specified-fu", self.specified or USUAL_SPECIFIED)
+        usual = USUAL_SPECIFIED if self.specified is None else self.specified
+        TESTS.column("fu_MPa").rule.check("--specified-fu", usual)
         return laboratory.strength(
             fitted,
             held,
             self.model,
             points=None if self.points is None else examine(self.points, POINTS).accept(),
-            specified=specified or 1e6 * USUAL_SPECIFIED,
+            specified=1e6 * usual,
             factors=self.factor,
             trends=tuple(self.trend or ()),
             variations=_variations(self.variation or []),
-            specified_strength=specified,
+            specified_strength=None if self.specified is None else 1e6 * usual,
             **self._given("loss", "confidence", "slab"),
         )
 

@@ -54,10 +54,10 @@ from workbench.impact.pace import (
     CLOSER,
     CUT,
     EPS,
+    LASTING,
     LONGER,
     PIECES,
     SHORTEST,
-    SLACK,
     SOFT,
     Pace,
     aimed,
@@ -243,7 +243,8 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
             if n + 2 > records.size:
                 return GOING, n
             (place, speed), struck_mass, mass = hit(s), mass_of(s), progress.mass
-            gap, gamma, slack = np.inf, 0.0, SLACK
+            gap, gamma = np.inf, 0.0
+            slack = LASTING * progress.approach * pace.first
             if mass > 0.0:
                 gap, gamma = place - progress.place, speed - progress.velocity
             if controlled:
