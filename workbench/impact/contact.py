@@ -12,9 +12,13 @@ from workbench.compiled import njit
 from workbench.impact.pace import APART, RELEASED, SLACK
 
 # Small functions that end in one entry: inlined, without the wrappers that Python would call.
-_WRAPPERS: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_WRAPPERS: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": True}
 inner = njit(error_model="numpy", forceinline=True, **_WRAPPERS)
 called = njit(error_model="numpy", **_WRAPPERS)  # the same, large and called in several places
+# Inlined, without counting arrays at every call: that costs more than a step of one mass, and the
+# entry holds them anyway. Such functions make no arrays and return none; nor may the kernels that
+# they call, which are compiled in the same way.
+uncounted = njit(error_model="numpy", forceinline=True, **(_WRAPPERS | {"_nrt": False}))
 
 
 @njit(cache=True, error_model="numpy")
@@ -106,7 +110,7 @@ def contact_step_of(hit: Any, solve: Any, released: bool = True) -> Any:
     forces of two steps, is written as `progress.release`. Not for forces that ring.
     """
 
-    @inner
+    @uncounted
     def step(s, progress, dt, may):
         speed, mass = hit(s)[1], progress.mass
         gamma = speed - progress.velocity
@@ -143,7 +147,7 @@ def moreau_step_of(hit: Any, drift: Any, push: Any, jump: Any) -> Any:
     hit point by dv and moves on to the end of the step.
     """
 
-    @inner
+    @uncounted
     def step(s, progress, dt, may):
         gamma, striker = hit(s)[1] - progress.velocity, progress.mass
         done, place = drift(s, dt)

@@ -44,8 +44,8 @@ from workbench.impact.contact import (
     contact_loss,
     contact_step_of,
     explicit_percussion,
-    inner,
     may_touch,
+    uncounted,
 )
 from workbench.impact.pace import (
     APART,
@@ -128,36 +128,36 @@ class Model(NamedTuple):
     step: Any = None
 
 
-@inner
+@uncounted
 def massless(s):
     """No mass of the hit point alone."""
     return 0.0
 
 
-@inner
+@uncounted
 def no_kick(s, dv):
     """Nothing: what has no mass of its own does not collide at an instant."""
 
 
-@inner
+@uncounted
 def no_closing(s, progress, impulse):
     """Positions stay as the step leaves them."""
     return True
 
 
-@inner
+@uncounted
 def never(s, progress):
     """Never calm: steps go on to the end."""
     return False
 
 
-@inner
+@uncounted
 def no_coast(s, pace, progress, records, n):
     """No closed form."""
     return n
 
 
-@inner
+@uncounted
 def no_flow(s, dt):
     """Nothing to settle, no measure of flow."""
     return 0.0
@@ -212,7 +212,7 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
         row.percussion, progress.carried = progress.carried, 0.0
         progress.recorded = progress.time
 
-    @inner
+    @uncounted
     def meeting(s, pace, progress, dt, gap, gamma, end, slack):
         """Length of an open step that meets the striker on its way, else dt."""
         instant = mass_of(s) > 0.0
@@ -223,7 +223,7 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
         when = met(gap, gamma, end - progress.velocity, dt, allowed)
         return max(when, least) if when < dt else dt
 
-    @inner
+    @uncounted
     def to_peak(progress, dt, place, speed, end):
         """Share of a step at which the hit point comes to rest, farther than ever; else 1."""
         passes = min(speed, -end) > AT_REST * progress.scale
@@ -231,7 +231,7 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
             return max(speed / (speed - end), CUT)
         return 1.0
 
-    @inner
+    @uncounted
     def march(s, pace, progress, records):
         n, end_time, controlled = 0, pace.duration * (1.0 - 1e-12), pace.error < np.inf
         slowest = APART * progress.approach

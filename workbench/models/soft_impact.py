@@ -18,7 +18,7 @@ import numpy as np
 from workbench.compiled import njit
 from workbench.errors import SolverError
 from workbench.fields import Choice, Number, checked
-from workbench.impact.contact import inner
+from workbench.impact.contact import uncounted
 from workbench.impact.integrator import DRIVE, Model, begin, march_of, no_flow
 from workbench.impact.pace import Pace
 from workbench.impact.records import follow
@@ -65,7 +65,7 @@ def crush(approach, crushed, stiffness, crush_force):
     return force, crushed
 
 
-@inner
+@uncounted
 def step(s, progress, dt, may):
     """A leapfrog step."""
     now, new = s.states[0], s.states[1]
@@ -80,7 +80,7 @@ def step(s, progress, dt, may):
     return True, 0.5 * dt * (now.contact + new.contact), new.w, lost
 
 
-@inner
+@uncounted
 def accept(s, dt):
     """What the step has moved."""
     one_mass.accept_trial(s, dt)
@@ -88,7 +88,7 @@ def accept(s, dt):
     now.x, now.contact, now.crushed = new.x, new.contact, new.crushed
 
 
-@inner
+@uncounted
 def write(s, records, n):
     """As of one mass, with the energy of the striker's spring."""
     one_mass.write(s, records, n)

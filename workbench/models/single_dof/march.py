@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from workbench.compiled import njit
-from workbench.impact.contact import inner, moreau_step_of
+from workbench.impact.contact import inner, moreau_step_of, uncounted
 from workbench.impact.integrator import COMMON, DRIVE, Model, begin, march_of, no_flow
 from workbench.models.single_dof.spring import (
     Spring,
@@ -68,7 +68,7 @@ class PushedMass(NamedTuple):
     stages: Any
 
 
-@inner
+@uncounted
 def spring_of(state):
     """The spring of a state."""
     return Spring(
@@ -77,7 +77,7 @@ def spring_of(state):
     )
 
 
-@inner
+@uncounted
 def put(state, spring):
     """Write the spring into a state."""
     state.v, state.force, state.top = spring.v, spring.force, spring.top
@@ -85,13 +85,13 @@ def put(state, spring):
     state.yielded, state.dissipated = spring.yielded, spring.dissipated
 
 
-@inner
+@uncounted
 def hit(s):
     """Displacement and velocity."""
     return s.states[0].v, s.states[0].w
 
 
-@inner
+@uncounted
 def solve(s, dt, closed, touch, striker):
     """The step of the mass, with that of a striker in contact."""
     now = s.states[0]
@@ -103,7 +103,7 @@ def solve(s, dt, closed, touch, striker):
     return residual <= 1e-9, w1, residual, 1
 
 
-@inner
+@uncounted
 def accept(s, dt):
     """Move the spring."""
     now = s.states[0]
@@ -112,7 +112,7 @@ def accept(s, dt):
     now.w = w1
 
 
-@inner
+@uncounted
 def write(s, records, n):
     """Force, energies, plastic displacement."""
     row, now = records[n], s.states[0]
@@ -121,31 +121,31 @@ def write(s, records, n):
     row.elastic, row.external_work = spring_energy(spring_of(now), s.pieces), now.work
 
 
-@inner
+@uncounted
 def lost(s):
     """Whether the displacement of collapse is passed."""
     return s.states[0].v > s.limit
 
 
-@inner
+@uncounted
 def mass_of(s):
     """The impact mass."""
     return s.states[0].mass
 
 
-@inner
+@uncounted
 def kick(s, dv):
     """Change the velocity."""
     s.states[0].w += dv
 
 
-@inner
+@uncounted
 def slope_of(now, pieces):
     """Slope of the line on which the spring unloads, or on which it has not yielded yet."""
     return now.stiffness if now.yielded else pieces[0].c[1]
 
 
-@inner
+@uncounted
 def calm(s, progress):
     """Whether a free column swings on a straight line for good, out of reach of its striker.
 
@@ -164,7 +164,7 @@ def calm(s, progress):
     return straight and away and centre + turn <= _NO_MORE * progress.peak
 
 
-@inner
+@uncounted
 def coast(s, pace, progress, records, n):
     """Records after the n-th of a column that swings on a straight line; which is the last one."""
     now = s.states[0]
@@ -188,7 +188,7 @@ def coast(s, pace, progress, records, n):
     return n + count
 
 
-@inner
+@uncounted
 def drift(s, dt):
     """Half a step of Moreau's with the velocity."""
     now, trial = s.states[0], s.states[1]
@@ -196,14 +196,14 @@ def drift(s, dt):
     return True, trial.v
 
 
-@inner
+@uncounted
 def push(s, dt):
     """The velocity that the force in the middle leaves."""
     s.states[1].w = s.states[0].w - dt * s.states[1].force / s.states[0].mass
     return s.states[1].w, s.states[0].mass
 
 
-@inner
+@uncounted
 def jump(s, dv, dt):
     """Impulse, and the other half of the step."""
     trial = s.states[1]
@@ -211,14 +211,14 @@ def jump(s, dv, dt):
     put(trial, spring_moved(spring_of(trial), trial.v + 0.5 * dt * trial.w, s.pieces))
 
 
-@inner
+@uncounted
 def accept_trial(s, dt):
     """What Moreau's step has moved."""
     put(s.states[0], spring_of(s.states[1]))
     s.states[0].w = s.states[1].w
 
 
-@inner
+@uncounted
 def solve_pushed(s, dt, closed, touch, striker):
     """The step of the mass under the pulse."""
     now = s.states[0]
@@ -229,7 +229,7 @@ def solve_pushed(s, dt, closed, touch, striker):
     return residual <= 1e-9, w1, residual, 1
 
 
-@inner
+@uncounted
 def accept_pushed(s, dt):
     """Move the spring; the work of the pulse; what the next stage changes."""
     now, before = s.states[0], s.states[0].v
