@@ -73,10 +73,10 @@ def test_the_report_shows_the_budget(stored: Stored) -> None:
     other = replace(figure, options={"case": "slow"})
     assert draw(replace(request, figure=other)).canvas is None
     said = render_text(*budgets(stored, {"hit": "soft", "slow": "stiff"}))
-    assert said.startswith("With all errors, hit, soft: peak displacement ")
+    assert said.startswith("With total uncertainty, hit, soft: peak displacement ")
     assert "without an interval: the model form is not known (not measured here" in said
-    assert said.count("With all errors") == 1  # one headline, that of the model to take
-    assert "With all errors" not in render_text(*in_brief(stored.study, stored))  # none is
+    assert said.count("With total uncertainty") == 1  # one headline, that of the model to take
+    assert "With total uncertainty" not in render_text(*in_brief(stored.study, stored))  # none is
     section = budget_tables(stored)
     assert section is not None
     assert "one input varied, both ways" in render_text(section)

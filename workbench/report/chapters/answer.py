@@ -136,7 +136,7 @@ def _others(study: Study, stored: Stored, labels: set[str]) -> Iterator[tuple[st
 
 
 def _budgeted(study: Study, stored: Stored, groups: Iterable[str]) -> tuple[Block, ...]:
-    """What all errors may make of an answer of the model to take in its case."""
+    """Total uncertainty of an answer of the model to take in its case."""
     every = tuple(case.name for case in study.cases)
     taken = {group: choice.first(study, stored, group) for group in groups}
     by_case = {

@@ -1,4 +1,4 @@
-"""What all errors together may make of an answer: sentences and tables."""
+"""Total uncertainty of an answer: sentences and tables."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
