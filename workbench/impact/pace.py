@@ -17,7 +17,7 @@ from workbench.compiled import njit
 
 # Tolerances: too small to move a peak, too large to be round-off.
 SLACK = 1e-9  # m; in explicit steps a smaller gap is round-off and opens no lasting contact
-LASTING = 1e-5  # of the way of the striker in one of equal steps: the same in implicit steps
+LASTING = 1e-6  # of the way of the striker in one of equal steps: the same in implicit steps
 CLOSE = 1e-8  # of the way of the striker in the first step, below which a gap is closed
 CLOSER = 0.999  # of the gap, which a step may close before the short step of an impact
 APART = 1e-9  # of the striker's first velocity; bodies that approach slower do not collide
