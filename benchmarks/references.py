@@ -1,6 +1,6 @@
 """Cost of the references against OpenSeesPy, measured side by side in one run.
 
-The frame of Heng 2017, section 5.4 (four bays, two storeys, squares of 0.2 m, 1500 kg at 50 m/s),
+The frame of Heng 2017, section 5.3 (four bays, two storeys, squares of 0.2 m, 1500 kg at 50 m/s),
 followed to its peak. First with the same elements, fibers and steps: compiled Reissner beam
 against OpenSeesPy's displacement-based co-rotational element. Then, with --equal-error, with
 meshes that come within 1.5 % of the extrapolated peak. Nothing here passes or fails.

@@ -26,7 +26,7 @@ class GeneralizedHinge:
     """Hinge, or rigid bar with two hinges that share the axial force (series assembly).
 
     Arguments: `surface`; `axial_stiffness` in N/m (of the whole series); `rotational_stiffness`
-    in N m/rad, one of each hinge (0: that hinge is a pin). Source: Heng 2017, section 2.3.
+    in N m/rad, one of each hinge (0: that hinge is a pin). Source: Heng 2017, section 2.2.
     """
 
     surface: YieldSurface

@@ -63,7 +63,7 @@ def tangent_of(assembly: PlanarAssembly) -> np.ndarray:
 
 
 def thesis_frame(size: float, lumped: bool = False) -> tuple[PlanarAssembly, int]:
-    """Frame of Heng 2017, section 5.4, of squares, and the dof that is hit.
+    """Frame of Heng 2017, section 5.3, of squares, and the dof that is hit.
 
     Four bays of 3 m, two storeys of 4 m, clamped bases; the middle column is hit 0.8 m above its
     base. `size` of all elements in m.

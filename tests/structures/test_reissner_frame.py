@@ -1,4 +1,4 @@
-"""The frame of Heng 2017, section 5.4: peaks of an independent implementation, mesh by mesh."""
+"""The frame of Heng 2017, section 5.3: peaks of an independent implementation, mesh by mesh."""
 
 from __future__ import annotations
 

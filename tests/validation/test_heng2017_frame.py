@@ -1,4 +1,4 @@
-"""Frame of P. Heng, doctoral thesis, KTH 2017, section 5.4, and its columns with superelements.
+"""Frame of P. Heng, doctoral thesis, KTH 2017, section 5.3, and its columns with superelements.
 
 Figure 5.14 prints curves; the digits below are peaks (m) of an independent implementation of the
 same equations, which lie on the published curves. What the figure does not say (clamped bases,

@@ -1,4 +1,4 @@
-"""Closest-point projection onto super-elliptic N-M yield surfaces (Heng 2017, eqs 2.12-2.19).
+"""Closest-point projection onto super-elliptic N-M surfaces (Heng 2017, section 2.2, 2.13-2.19).
 
 One axial spring in series with two rotational springs that share its force: a rigid bar with a
 hinge at each end, or one hinge beside a pin. Backward Euler is the unique minimiser of

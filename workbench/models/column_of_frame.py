@@ -1,6 +1,6 @@
 """An impacted frame reduced to the column that is hit, as an engineer does it by hand.
 
-Heng 2017, section 5.2, puts a guided head with an axial spring and a dead load in the place of the
+Heng 2017, section 5.1, puts a guided head with an axial spring and a dead load in the place of the
 rest of the frame. Here the spring is the elastic stiffness that the frame without the column has
 between the two ends of it, the dead load is that of the elastic frame, and the mass at the head is
 that of what stands on it. What the ends do besides, sway and rotation, is left out; so is the

@@ -1,4 +1,4 @@
-"""Frames of one force-based element per member with fiber sections (Heng 2017, section 2.1).
+"""Frames of one force-based element per member with fiber sections (Heng 2017, sections 2.1, 2.2).
 
 `force-based-beam` integrates along the member with Gauss-Lobatto points, ends included;
 `fiber-hinge` has fibers at the two ends alone and is elastic between. Derivation:

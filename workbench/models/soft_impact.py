@@ -1,6 +1,6 @@
 """The column hit by a striker that crushes: two masses on two springs, of Eibl and the CEB.
 
-Comité Euro-International du Béton 1988; Heng 2017, section 3.1, figure 3.1.
+Comité Euro-International du Béton 1988; Heng 2017, chapter 3, figure 3.1.
 
     m_A x''  + R_1(x - v) = 0            striker, with the spring R_1 of what crushes
     m_B v''  - R_1(x - v) + R_2(v) = 0   impact mass of the column on its resistance R_2

@@ -1,6 +1,6 @@
 """Reference: co-rotational beam with fiber sections, static and under impact.
 
-Heng 2017, chapter 5: plasticity is distributed along the member (two points per element) and
+Heng 2017, section 2.1: plasticity is distributed along the member (two points per element) and
 across it (fibers), rotations are large, steel is elastic-perfectly plastic. With refinement,
 plasticity localises in single elements: forces and displacements converge to those of hinges of
 zero length, strains do not.

@@ -6,7 +6,7 @@ global forces and tangent, for equilibrium or for an energy-exact step between t
 Symbols: d chord vector, D initial chord, l length, e = d/l, n normal to e, alpha rotation of the
 chord; r = dl/dd and g = d(alpha)/dd, or their discrete counterparts over a step. Local
 deformations are (l - L, theta_1 - alpha, theta_2 - alpha), local forces (N, M_1, M_2).
-Source: Heng 2017, chapter 5; discrete gradients after Simo and Tarnow 1992 and Gonzalez 1996.
+Source: Heng 2017, section 5.3; discrete gradients after Simo and Tarnow 1992 and Gonzalez 1996.
 """
 
 import math

@@ -12,7 +12,7 @@ the gap.
   moves bodies that have penetrated apart, x1 = x0 + dt (v0 + v1) / 2 + M^-1 w Psi, so that both
   constraints hold at the end of every step of contact.
 
-Sources: Heng 2017, chapter 3 (eqs 3.17-3.35) and chapter 5 (energy-momentum step); Moreau 1988;
+Sources: Heng 2017, chapter 3 (eqs 3.17-3.35; energy-momentum step 3.31-3.33); Moreau 1988;
 Jean 1999; Acary 2013 for the two constraints.
 """
 

@@ -1,6 +1,6 @@
 """Equilibrium of the column: hinge forces, internal forces, massless unknowns, pushover.
 
-Each bar is two generalized hinges in series (Heng 2017, section 2.3). With the forces N, M_end and
+Each bar is two generalized hinges in series (Heng 2017, section 2.2). With the forces N, M_end and
 M_mid of the closest-point projection and its tangent D, virtual work gives the forces of a bar
 over (v, x, b), f = B' (N, M_end, M_mid), and K = B' D B + K_g, rows of B: de, dpsi, db - dpsi.
 """

@@ -17,8 +17,8 @@ adds
     dt_1 = phi_1 d_1 - phi_4 (1 - phi_1) (k_14 / k_11) d_4,    dt_4 likewise,
 
 and dM = K(N, E_t) dt + dN (dK/dN) t: the tangent modulus acts on increments. K dt is the matrix of
-Heng 2017, eq. 2.9: phi is 1 while the force state alpha is below 1/2 or falls, 4 alpha (1 - alpha)
-above, 0 in a full hinge, where M stays on the surface alpha = 1.
+Heng 2017, eq. 2.9, with Liew's phi: 1 while the force state alpha is below 1/2 or falls,
+4 alpha (1 - alpha) above, 0 in a full hinge, where M stays on the surface alpha = 1.
 Tables and states: `RefinedTables`, `RefinedState`.
 """
 
