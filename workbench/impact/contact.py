@@ -1,6 +1,6 @@
 """The contact law of striker and structure: Newton's restitution on velocities.
 
-Moreau 1988; Heng 2017, sections 3.1 and 3.2, eqs 3.17-3.30. Gap g >= 0, gap velocity gamma = g'; the
+Moreau 1988; Heng 2017, 3.1 and 3.2, eqs 3.17-3.30. Gap g >= 0, gap velocity gamma = g'; the
 impulse P of a step obeys 0 <= P perp xi = gamma_1 + e gamma_0 >= 0 while the contact is closed.
 Explicit steps and collisions call `explicit_percussion`; implicit steps write xi = 0 into their
 equations with the `rebound` given here (`contact_step_of`, which decides who touches).

@@ -1,7 +1,7 @@
 """The Bernoulli beam element with fiber sections: local law, group assembly, energy ledger.
 
 Symbols: eps = u/L - y (b1 theta_1 + b2 theta_2) with b1 = (6 xi - 4)/L and b2 = (6 xi - 2)/L at
-the point xi along the element; N = sum(sigma A), M = -sum(sigma y A). Source: Heng 2017, section 2.1.
+the point xi along the element; N = sum(sigma A), M = -sum(sigma y A). Source: Heng 2017, 2.1.
 """
 
 import math
