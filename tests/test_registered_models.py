@@ -9,6 +9,7 @@ import pytest
 
 from workbench.content.bibliography import bibliography
 from workbench.evidence.published import Published
+from workbench.impact.schemes import SCHEMES
 from workbench.impact_tests import impact_tests
 from workbench.models.base import Model
 from workbench.registry import make_model, model_kind, model_names
@@ -90,6 +91,12 @@ def test_every_model_has_a_theory_page_and_known_sources(name: str) -> None:
     assert len(model.assumptions) >= 1
     for key in model.sources:
         assert key in bibliography()
+
+
+@pytest.mark.parametrize("name", [*model_names(), *SCHEMES])
+def test_the_page_of_the_thesis_names_every_model_and_integrator(name: str) -> None:
+    page = (ROOT / "docs" / "thesis.md").read_text(encoding="utf-8")
+    assert f"`{name}`" in page, "give it a line in docs/thesis.md"
 
 
 def test_published_series_are_all_readable() -> None:
