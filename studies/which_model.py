@@ -1,11 +1,13 @@
-"""Which model for your column: every column model on 320 drawn columns, and where it may be taken.
+"""Which model for your column: every column model on 900 drawn columns, and its errors.
 
-Section families, length, position, supports, axial load, restraint, striker and speed are drawn by
-a Sobol sequence; the beam whose webs yield answers all of them, the struck solid a few, the fiber
-beam every fourth. Every fifth column is left out of the rules and checks them.
+Sections, steel, length, position, supports, axial load, restraint, masses, speed and restitution
+are drawn by a Sobol sequence, stratified by the mass ratio and the shear demand; the beam whose
+webs yield answers all of them, the struck solid a few, the fiber beam every fifth. The peaks are
+the data of the error model.
 """
 
 import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from math import exp, log
 
@@ -13,7 +15,9 @@ import numpy as np
 from scipy.stats import qmc
 
 from workbench.cli import main
-from workbench.evidence.descriptors import descriptors
+from workbench.evidence.descriptors import DEMAND as SHEAR
+from workbench.evidence.descriptors import STRIKER, descriptors
+from workbench.materials import Steel
 from workbench.models.domain import euler_load, shear_demand
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
@@ -71,18 +75,21 @@ models = {
     BEAM: FiberReissner(levels=1),
 }
 models |= REDUCED
-COLUMNS, UNSEEN = 320, 5  # of which every so many check the rules that the others make
-BEAMS, REFINEMENTS, SOLIDS = 4, 16, 64  # every so many columns have them
-PLATES = 3  # every so many columns are without root fillets, as those of the thesis
+BEAMS, REFINEMENTS, SOLIDS = 5, 16, 64  # every so many columns have them
+PLATES = 4  # every so many columns are without root fillets, as those of the thesis
 LEAST, MOST = 0.3, 6e4  # mass of the striker: over the lumped mass, and in kg
-PART, DEMAND, TURNED, SHARE = "part", "V/Vpl of the mechanism", "length below in m", "P/Npl"
+STEELS = (355e6, 355e6, 235e6, 275e6, 460e6)  # yield stress, Pa
+RATIOS, DEMANDS = (0.6, 5.0), (0.5, 1.0)  # ends of the cells that the draw is stratified by
+QUOTAS = np.array([[75, 85, 110], [80, 85, 110], [135, 110, 110]])  # columns a cell
+DEMAND, TURNED, SHARE = "V/Vpl of the mechanism", "length below in m", "P/Npl"
 
 
-def drawn(point: np.ndarray, number: int) -> Case:
-    """The column and the strike of a point of the unit cube (10,).
+def drawn(point: np.ndarray, number: int, light: bool) -> ColumnImpact:
+    """The column and the strike of a point of the unit cube (14,).
 
     A velocity, and the mass that would push the mechanism to a drawn part of the shorter segment:
-    from elastic hits to collapse, within what strikers weigh.
+    from elastic hits to collapse, within what strikers weigh. The mass of a `light` striker is
+    drawn by itself, as such strikers are rare.
     """
     u = point.tolist()
     section = SECTIONS[int(u[0] * len(SECTIONS))]
@@ -92,43 +99,78 @@ def drawn(point: np.ndarray, number: int) -> Case:
     base = "pinned" if u[3] < 0.25 else "clamped"
     head = "guided" if u[4] < 0.6 else "pinned" if u[4] < 0.85 else "fixed"
     spring = 0.0 if u[5] < 0.2 else 10.0 ** (5.0 + 5.0 * (u[5] - 0.2))
-    column = Column(section, below, above, base=base, head=head, restraint_stiffness=spring)
+    steel = Steel(yield_stress=STEELS[int(u[10] * len(STEELS))])
+    column = Column(
+        section, below, above, steel, base=base, head=head, restraint_stiffness=spring
+    )
     impact = ColumnImpact("drawn", column, Striker(1.0, 1.0))
     share = 0.0 if u[6] < 0.2 else 0.5 * (u[6] - 0.2)
     load = min(share * column.properties.squash_load, 0.6 * euler_load(impact))
-    impact = replace(impact, column=replace(column, axial_load=load))
-    velocity = exp(log(0.7) + u[7] * log(25.0 / 0.7))
+    column = replace(column, axial_load=load)
+    impact = replace(impact, column=column)
+    least, most = (2.0, 30.0) if light else (0.7, 25.0)
+    velocity = exp(log(least) + u[7] * log(most / least))
     reach = exp(log(0.002) + u[8] * log(1.0 / 0.002)) * min(below, above)
     resistance = sum(min(each, 1.0) for each in shear_demand(impact).values())
     resistance *= column.properties.shear_resistance
-    mass = 2.0 * resistance * reach / velocity**2
-    mass = min(max(mass, LEAST * column.properties.impact_mass), MOST)
+    lumped = column.properties.impact_mass
+    mass = min(max(2.0 * resistance * reach / velocity**2, LEAST * lumped), MOST)
+    mass = LEAST * (RATIOS[0] / LEAST) ** u[13] * lumped if light else mass
     travelled = 0.5 * mass * velocity**2 / resistance
     duration = 5.0 * travelled / velocity + 0.02  # 2.5 times what a constant force takes
-    name = f"{number:03d} {section.name.replace(' without fillets', ', plates')}, "
-    name += f"{below:.2f} + {above:.2f} m, {velocity:.1f} m/s, {mass:.0f} kg"
-    impact = replace(impact, name=name, striker=Striker(mass, velocity), duration=duration)
-    asked = {WEB: True, SOLID: number % SOLIDS == SOLIDS // 2, BEAM: number % BEAMS == 0}
-    asked[REFINED] = number % REFINEMENTS == 5
-    told = descriptors(impact)
+    bounce = 0.0 if u[11] < 0.6 else 2.5 * (u[11] - 0.6)
+    head_mass = 0.0 if u[12] < 0.6 else mass * 10.0 ** (5.0 * (u[12] - 0.6) - 1.0)
+    column = replace(column, head_mass=head_mass)
+    return ColumnImpact("drawn", column, Striker(mass, velocity, bounce), duration)
+
+
+def stratified(seed: int, quotas: np.ndarray) -> Iterator[tuple[ColumnImpact, int]]:
+    """Columns of a Sobol sequence until each cell of mass ratio and V/Vpl holds its quota.
+
+    Half of the points are drawn with light strikers. Raises `RuntimeError` if a cell stays open.
+    """
+    left, number = quotas.copy(), 0
+    for index, point in enumerate(qmc.Sobol(14, seed=seed).random(2**14)):
+        impact = drawn(point, number, bool(index % 2))
+        values = descriptors(impact)
+        cell = (
+            int(np.searchsorted(RATIOS, values[STRIKER], "right")),
+            int(np.searchsorted(DEMANDS, values[SHEAR], "right")),
+        )
+        if left[cell] > 0:
+            left[cell] -= 1
+            yield impact, number
+            number += 1
+        if not left.any():
+            return
+    raise RuntimeError(f"cells of the draw stay open: {left.tolist()}")
+
+
+def case_of(impact: ColumnImpact, number: int) -> Case:
+    """The case of a drawn column: its name, the references that it has, and its parameters."""
+    column, striker = impact.column, impact.striker
+    name = f"{number:04d} {column.section.name.replace(' without fillets', ', plates')}, "
+    name += f"{column.length_below:.2f} + {column.length_above:.2f} m, "
+    name += f"{striker.velocity:.1f} m/s, {striker.mass:.0f} kg"
+    present = {SOLID: number % SOLIDS == SOLIDS // 2, BEAM: number % BEAMS == 0}
+    present[REFINED] = number % REFINEMENTS == 5
+    values = descriptors(impact)
     return Case(
         name,
-        impact,
-        models=tuple(label for label in models if asked.get(label, True)),
+        replace(impact, name=name),
+        models=tuple(label for label in models if present.get(label, True)),
         parameters={
-            PART: "unseen" if number % UNSEEN == UNSEEN - 1 else "rules",
-            DEMAND: told["shear_demand"],
-            TURNED: below,
-            SHARE: told["axial_over_squash"],
-            "energy over elastic": told["energy_over_elastic"],
-            "striker over lumped mass": told["striker_over_lumped"],
+            DEMAND: values[SHEAR],
+            TURNED: column.length_below,
+            SHARE: values["axial_over_squash"],
+            "energy over elastic": values["energy_over_elastic"],
+            "striker over lumped mass": values[STRIKER],
         },
-        quick=number in range(5, COLUMNS, 32),  # of those whose numerical error is known
+        quick=number in range(5, 320, 32),  # of those whose numerical error is known
     )
 
 
-points = qmc.Sobol(10, seed=14).random(512)[:COLUMNS]
-cases = tuple(drawn(point, number) for number, point in enumerate(points))
+cases = tuple(case_of(impact, number) for impact, number in stratified(14, QUOTAS))
 
 
 def between(name: str, least: float, most: float) -> tuple[str, ...]:
@@ -184,9 +226,9 @@ study = Study(
     quantities=("peak_displacement", "residual_displacement", "time_of_peak", "peak_force"),
     figures=figures,
     notes=(
-        "Columns are drawn by a scrambled Sobol sequence with a fixed seed, none left out "
-        f"afterwards; every {UNSEEN}th checks the rules that the others make. Every {PLATES}rd is "
-        "of plates, without root fillets.",
+        "Columns are drawn by a scrambled Sobol sequence with a fixed seed until each of nine cells "
+        "of mass ratio and V/Vpl holds its quota, none left out afterwards; every "
+        f"{PLATES}th is of plates, without root fillets.",
         "The struck solid is the reference where the study has one, else the beam whose webs "
         "yield, on one mesh; its numerical error is told by every 16th column.",
     ),
