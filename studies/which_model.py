@@ -100,9 +100,7 @@ def drawn(point: np.ndarray, number: int, light: bool) -> ColumnImpact:
     head = "guided" if u[4] < 0.6 else "pinned" if u[4] < 0.85 else "fixed"
     spring = 0.0 if u[5] < 0.2 else 10.0 ** (5.0 + 5.0 * (u[5] - 0.2))
     steel = Steel(yield_stress=STEELS[int(u[10] * len(STEELS))])
-    column = Column(
-        section, below, above, steel, base=base, head=head, restraint_stiffness=spring
-    )
+    column = Column(section, below, above, steel, base=base, head=head, restraint_stiffness=spring)
     impact = ColumnImpact("drawn", column, Striker(1.0, 1.0))
     share = 0.0 if u[6] < 0.2 else 0.5 * (u[6] - 0.2)
     load = min(share * column.properties.squash_load, 0.6 * euler_load(impact))
@@ -226,8 +224,8 @@ study = Study(
     quantities=("peak_displacement", "residual_displacement", "time_of_peak", "peak_force"),
     figures=figures,
     notes=(
-        "Columns are drawn by a scrambled Sobol sequence with a fixed seed until each of nine cells "
-        "of mass ratio and V/Vpl holds its quota, none left out afterwards; every "
+        "Columns are drawn by a scrambled Sobol sequence with a fixed seed until each of nine "
+        "cells of mass ratio and V/Vpl holds its quota, none left out afterwards; every "
         f"{PLATES}th is of plates, without root fillets.",
         "The struck solid is the reference where the study has one, else the beam whose webs "
         "yield, on one mesh; its numerical error is told by every 16th column.",

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from math import inf
-from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 from toy_models import Spring
 
-from workbench.cli import run
-from workbench.evidence.descriptors import FEATURES, descriptors, features
+from workbench.evidence.descriptors import FEATURES, features
 from workbench.responses import Outcome
 from workbench.scenarios import ColumnImpact
-from workbench.study import Assessment, Case, Study
+from workbench.study import Case, Study
 from workbench.study.matrix import COST_COLUMNS
 from workbench.study.tables import numbers, table, texts
 from workbench.study.validity import (
@@ -181,28 +177,3 @@ def test_ranking_counts_pairs_and_leaves_small_groups(study) -> None:
     assert (second["high"], second["within"]) == (fast, COUNT - fast)
     assert second["median"] in (1.05, 1.3)
     assert np.isfinite(second["least"])
-
-
-def test_the_verb_writes_the_table_and_says_how_the_trees_did(
-    study: Study,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    found = Assessment(tmp_path, tables_of(study, {}), ())
-    monkeypatch.setattr("workbench.study.load_study", lambda name: SimpleNamespace(study=study))
-    monkeypatch.setattr("workbench.study.assess", lambda *given, **options: found)
-    assert run(["data", "rules", "rules", "--out", str(tmp_path), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert [row["label"] for row in told["checks"]] == ["soft", "good"]
-    spans = pd.read_csv(tmp_path / "validity_ranges.csv").set_index("descriptor")
-    assert spans.loc["restitution"].tolist() == [0.0, 0.0]
-    ends = [
-        descriptors(study.cases[number].scenario)["velocity_over_plastic"] for number in (0, -1)
-    ]
-    assert spans.loc["velocity_over_plastic"].tolist() == pytest.approx(ends, rel=0.01)
-    written = pd.read_csv(tmp_path / "validity.csv")
-    assert len(written) == told["rows"]
-    assert set(written["study"]) == {"rules"}
-    assert run(["data", "rules", "rules", "--out", str(tmp_path)]) == 0
-    assert "answers on hold-out columns" in capsys.readouterr().out

@@ -1,15 +1,16 @@
 """`workbench data` and `new`: the catalogue, one's own tables, and templates to fill in."""
 
 import dataclasses
+import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
-from workbench.cli.output import Answer, Json, Names, option, verb
-from workbench.cli.studies import StoreRoot, StudyName
+from workbench.cli.output import Answer, Json, Names, option, verb, writable
+from workbench.cli.studies import StoreRoot
 from workbench.content.tree import (
     Block,
     Bullets,
@@ -27,12 +28,6 @@ app = typer.Typer(
 templates = typer.Typer(
     help="Print a template to fill in.", rich_markup_mode=None, no_args_is_help=False
 )
-TablesRoot = Annotated[
-    str | None, option("Where to write.  [default: the tables of the program]", metavar="DIR")
-]
-Earlier = Annotated[
-    bool, option("Count answers of earlier versions of models too.", flag="--earlier")
-]
 
 
 @app.command("list")
@@ -130,68 +125,40 @@ def _added(added: Any) -> Iterator[Block]:
 @app.command("measure")
 @verb
 def measure(
-    study: StudyName, store: StoreRoot = "reports", out: TablesRoot = None, earlier: Earlier = False
+    name: str = typer.Argument(metavar="TABLE", help="Which table; so far: columns."),
+    store: StoreRoot = "reports",
+    jobs: int | None = option("Worker processes.  [default: one per core]", None),
+    out: str | None = option(
+        "Where to write.  [default: the tables of the program]", None, "FILE.csv"
+    ),
 ) -> Answer:
-    """Measure the model form in a stored study of columns: bias and scatter by region.
+    """Measure the anchor of the error model: run the study that draws, and write its table.
 
-    Writes the tables from which `workbench simulate --budget` knows the model form.
+    Answers are stored as by `workbench run`; interrupted, it goes on where it was. The table tells
+    the error of any answer, of models of your own too.
     """
-    from workbench.assessment.budget import RANGES, TABLE
-    from workbench.study import assess, load_study
-    from workbench.study.model_form import COLUMNS, RANGE_COLUMNS, model_form_rows, range_rows
-    from workbench.study.tables import table
+    import pandas as pd
 
-    chosen = load_study(study).study
-    assessed = assess(chosen, Path(store), earlier=earlier)
-    forms = table(model_form_rows(chosen, assessed), COLUMNS)
-    written = _written({TABLE: forms, RANGES: table(range_rows(chosen), RANGE_COLUMNS)}, out)
-    text = f"{len(forms)} rows on {forms['model'].nunique()} models in {written[0]}."
-    return Answer({"rows": len(forms), "files": written}, [Paragraph(text)])
-
-
-@app.command("rules")
-@verb
-def rules(
-    study: StudyName, store: StoreRoot = "reports", out: TablesRoot = None, earlier: Earlier = False
-) -> Answer:
-    """Find the rules of validity in a stored study of drawn columns, and check them.
-
-    A small tree per model tells regions in which its peak is off; the hold-out columns
-    of the study check it. Writes the table from which models warn, and what the columns span.
-    """
-    from workbench.evidence.measured import RANGES, TABLE
-    from workbench.study import assess, load_study
-    from workbench.study.model_form import RANGE_COLUMNS, range_rows
-    from workbench.study.tables import table
-    from workbench.study.validity import VALIDITY_COLUMNS, checked, held_out_of, validity_rows
-
-    chosen = load_study(study).study
-    tables = assess(chosen, Path(store), earlier=earlier).tables
-    held_out = held_out_of(chosen)
-    rows = table(validity_rows(chosen, tables, held_out), VALIDITY_COLUMNS)
-    checks = list(checked(chosen, tables, held_out))
-    path, _ = _written({TABLE: rows, RANGES: table(range_rows(chosen), RANGE_COLUMNS)}, out)
-    right, total = (sum(row[name] for row in checks) for name in ("right", "asked"))
-    text = f"{len(rows)} regions of {len(checks)} models in {path}."
-    share = f" Right on {right} of {total} answers on hold-out columns." if total else ""
-    columns = tuple(Column(title, of=title) for title in ("label", "asked", "right"))
-    shown = Table.of("checks", "Hold-out columns.", columns, checks)
-    content = {"rows": len(rows), "file": path, "checks": checks}
-    return Answer(content, [Paragraph(text + share), shown])
-
-
-def _written(tables: Mapping[str, Any], out: str | None) -> list[str]:
-    """Paths of tables of the catalogue, once they are written."""
     from workbench.evidence import dataset
+    from workbench.evidence.error_table import TABLES, TRUTH
+    from workbench.fields import Choice
+    from workbench.study import load_study, run_study
+    from workbench.study.error_rows import error_rows
+    from workbench.study.runner import progress_for
     from workbench.study.store import write_atomically
     from workbench.study.tables import csv_bytes
 
-    written = []
-    for name, table in tables.items():
-        path = dataset(name).path if out is None else Path(out) / dataset(name).path.name
-        write_atomically(path, csv_bytes(table))
-        written.append(str(path))
-    return written
+    tables = {each.dataset: each for each in TABLES.values()}
+    chosen = tables[Choice(tuple(tables)).check("table", name)]
+    path = dataset(name).path if out is None else writable("--out", out, "csv")
+    loaded = load_study(chosen.study)
+    progress = progress_for(sys.stderr, os.environ)
+    run_study(loaded.study, Path(store), jobs=jobs, progress=progress, file=loaded.file)
+    rows = pd.DataFrame(list(error_rows(loaded.study, chosen, Path(store))))
+    write_atomically(path, csv_bytes(rows))
+    judged = int(rows[TRUTH].notna().sum())
+    text = f"{len(rows)} rows, {judged} of them with a truth, in {path}."
+    return Answer({"rows": len(rows), "judged": judged, "file": str(path)}, [Paragraph(text)])
 
 
 @app.command("check")

@@ -1,0 +1,214 @@
+"""The error of answers through the anchor: the shipped table, its intervals, and what is said."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from math import inf, isfinite
+
+import numpy as np
+import pytest
+
+from workbench.errors import Collapse, CollapseError, Mechanism
+from workbench.evidence import error_model
+from workbench.evidence.error_model import anchor_peak, expected_error, truth_ratio, widened
+from workbench.evidence.error_table import (
+    ANCHOR,
+    COLUMNS,
+    FINEST,
+    REFERENCE,
+    TABLES,
+    TRUTH,
+    ends_of,
+)
+from workbench.registry import make_model
+from workbench.responses import Outcome, build_response, collapsed_response, failed_response
+from workbench.scenarios import ColumnImpact, scenario_from
+
+JUDGED = COLUMNS.rows[np.isfinite(COLUMNS.ratios)]
+
+
+def drawn(row) -> ColumnImpact:
+    """The drawn column of a row, from its inputs."""
+    tables = {"kind": COLUMNS.kind, "name": row["case"]}
+    for path, value in row.items():
+        table, _, key = str(path).partition(".")
+        if key and table in ("column", "steel", "striker", "time") and value == value:
+            plain = value.item() if hasattr(value, "item") else value
+            read = json.loads(plain) if str(plain).startswith("{") else plain
+            tables.setdefault(table, {})[key] = read
+    return scenario_from(tables)
+
+
+def answered(peak: float, name: str = "plug-in"):
+    """The answer of a model that nobody measured."""
+    if isfinite(peak):
+        response = build_response({"peak_displacement": peak})
+    else:
+        fall = Collapse(Mechanism.GEOMETRY, ("hit",), 0.5, 0.1)
+        response = collapsed_response(CollapseError(fall, "falls"))
+    response.attrs |= {"model": name, "options": "{}"}
+    return response
+
+
+@pytest.fixture
+def stored(monkeypatch: pytest.MonkeyPatch):
+    """Peaks of the anchor are looked up in the table, or given, and not computed."""
+    peaks = dict(zip(COLUMNS.rows["case"], COLUMNS.rows[ANCHOR], strict=True))
+    monkeypatch.setattr(error_model, "anchor_peak", lambda hit: peaks[hit.name])
+    return peaks
+
+
+@pytest.mark.parametrize("table", TABLES.values(), ids=TABLES)
+def test_a_table_of_other_versions_of_anchor_or_reference_is_refused(table) -> None:
+    """Whoever raises one of them measures again: `workbench data measure`."""
+    for name, column in ((table.anchor, "anchor"), (table.reference, "reference")):
+        assert set(table.rows[f"{column}_version"]) == {make_model(name).version}, name
+    assert {*table.words, *table.cells, TRUTH, table.anchor} <= set(table.rows)
+    assert table.rows["case"].is_unique
+
+
+def test_the_anchor_of_the_table_is_the_anchor_of_now() -> None:
+    for _, row in JUDGED.iloc[::150].iterrows():
+        hit = drawn(row)
+        assert anchor_peak(hit) == pytest.approx(row[ANCHOR], rel=1e-3)
+        assert list(COLUMNS.features(hit).values()) == pytest.approx(
+            [row[name] for name in COLUMNS.words], rel=1e-4, abs=1e-9
+        )
+
+
+@pytest.mark.parametrize("count", [5, 20, 39, 40, 100, 777])
+def test_ends_hold_nine_of_ten_new_values(count: int) -> None:
+    """A new value has any place among the others with the same chance."""
+    low, high = ends_of(count)
+    held = (high - low) / (count + 1)
+    assert held >= 0.9 or (low, high) == (0, count - 1)
+    assert held <= 0.9 + 2.0 / (count + 1)
+
+
+def test_intervals_hold_nine_of_ten_columns_that_they_were_not_made_of() -> None:
+    """Leave one out, in every cell."""
+    held = {}
+    for _, row in JUDGED.iterrows():
+        held.setdefault(COLUMNS.cell(row), [])
+    for cell, inside in held.items():
+        rows = [row for _, row in JUDGED.iterrows() if COLUMNS.cell(row) == cell]
+        values = COLUMNS.truths(rows[0])
+        assert len(values) == len(rows) >= 40
+        for value in values:
+            others = np.delete(values, np.searchsorted(values, value))
+            low, high = ends_of(len(others))
+            inside.append(others[low] <= value <= others[high])
+        assert np.mean(inside) > 0.8
+    assert len(held) == 9
+    assert 0.88 <= np.mean(np.concatenate(list(held.values()))) <= 0.925
+
+
+def test_the_same_truth_is_expected_whatever_the_model(stored) -> None:
+    """The interval of the truth is that of the anchor, in units of the answer."""
+    hit = drawn(JUDGED.iloc[0])
+    values = truth_ratio(hit).values
+    low, high = ends_of(len(values))
+    truths = stored[hit.name] * np.exp(values)
+    for factor in (0.5, 1.0, 1.3):
+        answer = factor * stored[hit.name]
+        error = expected_error(hit, answered(answer))
+        assert error.reason == ""
+        assert error.low == pytest.approx(answer / truths[high] - 1.0)
+        assert error.high == pytest.approx(answer / truths[low] - 1.0)
+        assert error.low < error.expected < error.high
+        off = np.abs(answer / truths - 1.0) > 0.1
+        assert error.chance == pytest.approx((off.sum() + 0.5) / (len(truths) + 1))
+        assert error.warns == (error.chance > 0.1)
+
+
+def test_a_model_that_is_20_percent_low_is_told_so(stored) -> None:
+    """A plug-in that the data never saw: the reference times 0.8."""
+    rows = JUDGED.iloc[np.random.default_rng(3).permutation(len(JUDGED))[:50]]
+    told, held = [], 0
+    for _, row in rows.iterrows():
+        error = expected_error(drawn(row), answered(0.8 * row[TRUTH]))
+        told.append(error.expected)
+        held += error.low <= -0.2 <= error.high
+        assert error.warns
+    assert np.median(told) == pytest.approx(-0.2, abs=0.05)
+    assert held >= 40
+
+
+def test_restitution_head_mass_and_fixed_head_warn_of_nothing(stored) -> None:
+    """They bound nothing: no reason for an unknown error comes from them."""
+    hit = drawn(JUDGED.iloc[7])
+    plain = truth_ratio(hit)
+    bounced = replace(hit, striker=replace(hit.striker, restitution=1.0))
+    mass = 10.0 * hit.striker.mass
+    loaded = replace(hit, column=replace(hit.column, head_mass=mass))
+    for other in (bounced, loaded):
+        assert truth_ratio(other).reason == plain.reason == ""
+        assert truth_ratio(other).cell == plain.cell
+    fixed = replace(hit, column=replace(hit.column, head="fixed", restraint_stiffness=0.0))
+    assert truth_ratio(fixed).reason == ""
+
+
+def test_outside_of_what_was_drawn_nothing_is_known(stored) -> None:
+    hit = drawn(JUDGED.iloc[0])
+    light = replace(hit, striker=replace(hit.striker, mass=0.1 * hit.column.properties.impact_mass))
+    error = expected_error(light, answered(0.01))
+    assert (error.expected, error.low, error.high, error.chance) == (None,) * 4
+    assert error.reason.startswith("not measured here: striker over lumped mass 0.1, drawn")
+    assert not error.warns
+
+
+def test_collapse_goes_by_the_anchor(stored) -> None:
+    """Where both fall or stand the doubt is small; a model alone is most likely wrong."""
+    hit = drawn(JUDGED.iloc[0])
+    peak = stored[hit.name]
+    stands, falls = answered(peak), answered(inf)
+    assert expected_error(hit, stands).collapse < 0.01
+    assert expected_error(hit, falls).chance > 0.99
+    stored[hit.name] = inf
+    assert expected_error(hit, falls).chance < 0.1
+    error = expected_error(hit, stands)
+    assert error.chance > 0.9
+    assert error.reason == "the anchor collapses"
+
+
+def test_an_anchor_that_falls_at_a_little_more_velocity_is_near_collapse(
+    stored, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hit = drawn(JUDGED.iloc[0])
+    peak, speed = stored[hit.name], hit.striker.velocity
+    for more, near in ((1.1, False), (1.2, True), (inf, True)):
+        monkeypatch.setattr(
+            error_model,
+            "anchor_peak",
+            lambda h, more=more: peak if h.striker.velocity == speed else more * peak,
+        )
+        assert expected_error(hit, answered(peak)).near_collapse is near
+
+
+def test_reference_and_solid_are_not_judged_by_the_anchor(stored) -> None:
+    hit = drawn(JUDGED.iloc[0])
+    assert expected_error(hit, answered(0.1, FINEST)).reason == "nothing finer has measured it"
+    error = expected_error(hit, answered(0.1, REFERENCE))
+    assert error.reason or error.high - error.low < 0.2
+
+
+def test_no_answer_has_no_error(stored) -> None:
+    hit = drawn(JUDGED.iloc[0])
+    refused = failed_response(Outcome.NOT_CONVERGED, "why")
+    refused.attrs |= {"model": "plug-in", "options": "{}"}
+    assert expected_error(hit, refused).reason == "the answer has no peak displacement"
+    assert json.dumps(expected_error(hit, refused).as_dict())
+
+
+def test_the_doubt_about_the_reference_adds_in_quadrature() -> None:
+    values = np.linspace(-0.03, 0.03, 99)
+    assert widened(values, values[:0]) is values
+    doubts = np.linspace(-0.02, 0.06, 99)  # median 0.02, half-width 0.036
+    moved = widened(values, doubts)
+    low, high = ends_of(99)
+    half = 0.5 * (doubts[high] - doubts[low])
+    assert np.median(moved) == pytest.approx(0.02)
+    assert moved[high] - 0.02 == pytest.approx(np.hypot(values[high], half))
+    assert 0.02 - moved[low] == pytest.approx(np.hypot(values[low], half))
+    assert np.all(np.diff(moved) > 0.0)

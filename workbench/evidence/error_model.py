@@ -1,0 +1,156 @@
+"""The error of any answer, through one model whose error was measured: the anchor.
+
+ln(truth / answer) = ln(anchor / answer) + ln(truth / anchor). The first term is exact and costs a
+run of the anchor; the second has nothing to do with the model that was asked. It was measured on
+drawn scenarios (`workbench data measure`) and is taken by order statistics from those of the same
+cell. Derivation and numbers: docs/theory/error-model.md.
+"""
+
+import json
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
+from math import inf, isinf, isnan, log, nan
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from workbench.arrays import Array
+from workbench.evidence.error_table import ANCHOR, FINEST, TABLES, ends_of
+from workbench.models.base import options_of
+from workbench.registry import make_model
+from workbench.responses import Response, survives
+
+BEYOND = 0.10  # an error of the peak that matters
+WARNED = 0.10  # chance of it from which an answer is warned of
+FASTER, GROWS = 1.05, 0.13  # close to collapse: the peak grows more at so much of the velocity
+PEAK = "peak_displacement"
+
+
+@dataclass(frozen=True, slots=True)
+class ExpectedError:
+    """The error of an answer, answer over truth less one, as far as it is known.
+
+    Arguments: `anchor`, its name; `expected` error with the ends `low` and `high` of an interval of
+    90 %; `chance` of an error beyond 10 %, or that the structure does what the answer denies;
+    `collapse`, chance that it collapses; `near_collapse`, whether the anchor nearly does; `cell`
+    in which this was measured on `count` scenarios; `reason`, why there is no interval (empty:
+    there is one).
+    """
+
+    anchor: str
+    expected: float | None = None
+    low: float | None = None
+    high: float | None = None
+    chance: float | None = None
+    collapse: float | None = None
+    near_collapse: bool = False
+    cell: str = ""
+    count: int = 0
+    reason: str = ""
+
+    @property
+    def warns(self) -> bool:
+        """Whether the answer is rather likely to be in error."""
+        return self.chance is not None and self.chance > WARNED
+
+    def as_dict(self) -> dict[str, Any]:
+        """The error as JSON holds it; null is unknown, and `reason` says why."""
+        return asdict(self)
+
+
+class TruthRatio(NamedTuple):
+    """Sorted `values` of ln(truth / anchor) in the `cell` of a scenario.
+
+    Empty where nothing is known, for the `reason`.
+    """
+
+    values: Array
+    cell: str = ""
+    reason: str = ""
+
+
+def expected_error(scenario: Any, response: Response) -> ExpectedError:
+    """The error to expect of an answer to a scenario, of any model, by one run of the anchor.
+
+    The anchor itself is not run again. Raises `InputError` if it is not installed.
+    """
+    table = TABLES.get(scenario.KIND)
+    if table is None:
+        return ExpectedError(ANCHOR, reason=f"errors of {scenario.KIND} were not measured")
+    name, answer = response.attrs["model"], _peak(response)
+    anchor = answer if _is_anchor(response, table.anchor) else anchor_peak(scenario)
+    if isnan(answer) or isnan(anchor):
+        whose = "the answer" if isnan(answer) else "the anchor"
+        return ExpectedError(table.anchor, reason=f"{whose} has no peak displacement")
+    ratio = truth_ratio(scenario)
+    count = len(ratio.values)
+    known = ExpectedError(table.anchor, cell=ratio.cell, count=count, reason=ratio.reason)
+    if ratio.reason:
+        return known
+    fallen = table.collapses(isinf(anchor))
+    near = not isinf(anchor) and anchor_peak(_faster(scenario)) > (1.0 + GROWS) * anchor
+    known = replace(known, collapse=fallen, near_collapse=near)
+    if isinf(answer) or isinf(anchor):
+        reason = "a collapse has no peak" if isinf(answer) else "the anchor collapses"
+        return replace(known, chance=1.0 - fallen if isinf(answer) else fallen, reason=reason)
+    values = ratio.values + log(anchor / answer)
+    if name in (table.reference, FINEST):
+        values = table.doubts(table.features(scenario)) if name == table.reference else values[:0]
+    if not len(values):
+        return replace(known, reason="nothing finer has measured it")
+    errors = np.exp(-values[::-1]) - 1.0
+    low, high = ends_of(len(errors))
+    beyond = (np.count_nonzero(np.abs(errors) > BEYOND) + 0.5) / (len(errors) + 1.0)
+    middle, least, most = float(np.median(errors)), float(errors[low]), float(errors[high])
+    return replace(known, expected=middle, low=least, high=most, chance=float(beyond))
+
+
+def truth_ratio(scenario: Any) -> TruthRatio:
+    """What is known of ln(truth / anchor) of a scenario before it is answered.
+
+    Of a kind in `TABLES`; with what the finest reference says of the reference.
+    """
+    table = TABLES[scenario.KIND]
+    values = table.features(scenario)
+    reason = table.unknown(values)
+    if reason:
+        return TruthRatio(np.empty(0), reason=reason)
+    return TruthRatio(widened(table.truths(values), table.doubts(values)), table.cell(values))
+
+
+def widened(values: Array, doubts: Array) -> Array:
+    """Sorted log ratios (n,) to a reference that itself is off by some of `doubts` (m,), sorted.
+
+    They move by its median, and both sides of their interval grow by its half-width, in quadrature.
+    """
+    if not len(doubts):
+        return values
+    (low, high), (least, most) = ends_of(len(values)), ends_of(len(doubts))
+    middle, width = np.median(values), 0.5 * (doubts[most] - doubts[least])
+    sides = np.where(values < middle, middle - values[low], values[high] - middle)
+    grown: Array = (values - middle) * np.hypot(sides, width) / np.maximum(sides, 1e-9)
+    return middle + np.median(doubts) + grown
+
+
+@lru_cache(maxsize=256)
+def anchor_peak(scenario: Any) -> float:
+    """Peak displacement of the anchor in m; infinite if it collapses, NaN if it has none."""
+    return _peak(make_model(TABLES[scenario.KIND].anchor).simulate(scenario))
+
+
+def _peak(response: Response) -> float:
+    alive = survives(response)
+    if alive is False:
+        return inf
+    known = alive and PEAK in response and float(response[PEAK]) > 0.0
+    return float(response[PEAK]) if known else nan
+
+
+def _is_anchor(response: Response, anchor: str) -> bool:
+    if response.attrs["model"] != anchor:
+        return False
+    return bool(json.loads(response.attrs["options"]) == options_of(make_model(anchor)))
+
+
+def _faster(scenario: Any) -> Any:
+    return scenario.at_velocity(FASTER * scenario.striker.velocity)

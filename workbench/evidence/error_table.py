@@ -1,0 +1,146 @@
+"""Tables of the error of the anchor: drawn scenarios of one kind, their features and cells."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from math import floor, inf, nan
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from workbench.arrays import Array, Indices
+from workbench.evidence.catalogue import load
+from workbench.evidence.descriptors import DEMAND, FEATURES, STRIKER, features
+from workbench.scenarios import ColumnImpact
+
+ANCHOR, REFERENCE, FINEST = "flexible-superelement", "fiber-shear", "solid-plane-stress"
+COVERAGE = 0.90  # share of truths inside an interval
+MARGIN, NEAREST = 0.05, 20  # of the range of a feature that nobody drew; neighbours with a truth
+FEWEST = 10  # drawn scenarios from which the error of the reference is known
+TRUTH = "reference_peak"  # column of the table, in m; infinite: a collapse, empty: none
+
+
+@dataclass(frozen=True)
+class ErrorTable:
+    """Where the anchor was measured, for one `kind` of scenarios.
+
+    Arguments: `dataset` of the catalogue, a row for every scenario that the `study` draws;
+    `features` of a scenario by name, as its columns have them, with their `words`; `cells`, bounds
+    of features between cells; `doubted`, the one of them that tells how well the reference is
+    known (empty: it was not measured); names of `anchor` and `reference`.
+    """
+
+    kind: str
+    dataset: str
+    study: str
+    features: Callable[[Any], dict[str, float]]
+    words: Mapping[str, str]
+    cells: Mapping[str, tuple[float, ...]]
+    doubted: str = ""
+    anchor: str = ANCHOR
+    reference: str = REFERENCE
+
+    @cached_property
+    def rows(self) -> pd.DataFrame:
+        """The table, read once."""
+        return load(self.dataset)
+
+    @cached_property
+    def ratios(self) -> Array:
+        """ln(truth / anchor) of all rows (n,), NaN where one has no peak."""
+        return self._against(self.anchor) * -1.0
+
+    def truths(self, values: Mapping[str, float]) -> Array:
+        """Sorted ln(truth / anchor) in the cell of a scenario with such features."""
+        inside = self._cell_of(self.rows) == self._cell_of(values)
+        return np.sort(self.ratios[inside & ~np.isnan(self.ratios)])
+
+    def doubts(self, values: Mapping[str, float]) -> Array:
+        """Sorted ln(finest / reference) by the bounds of the doubted feature, empty if few."""
+        if not self.doubted or FINEST not in self.rows:
+            return np.empty(0)
+        bounds, ratios = self.cells[self.doubted], self._against(FINEST)
+        among = np.searchsorted(bounds, self.rows[self.doubted], "right")
+        inside = among == np.searchsorted(bounds, values[self.doubted], "right")
+        known = np.sort(ratios[inside & ~np.isnan(ratios)])
+        return known if len(known) >= FEWEST else known[:0]
+
+    def cell(self, values: Mapping[str, float]) -> str:
+        """The cell of a scenario in words."""
+        texts = []
+        for name, bounds in self.cells.items():
+            place = int(np.searchsorted(bounds, values[name], "right"))
+            low, high = (0.0, *bounds)[place], (*bounds, inf)[place]
+            between = f"{low:g} to {high:g}" if low and high < inf else ""
+            between = between or (f"above {low:g}" if low else f"below {high:g}")
+            texts.append(f"{self.words[name]} {between}")
+        return ", ".join(texts)
+
+    def collapses(self, anchored: bool) -> float:
+        """Chance that a structure collapses whose anchor does, or does not (rule of succession)."""
+        truth, anchor = self.rows[TRUTH].to_numpy(), self.rows[self.anchor].to_numpy()
+        alike = truth[(np.isinf(anchor) == anchored) & ~np.isnan(anchor) & ~np.isnan(truth)]
+        return float((np.isinf(alike).sum() + 1.0) / (len(alike) + 2.0))
+
+    def unknown(self, values: Mapping[str, float]) -> str:
+        """Why nothing is known of a scenario with such features; empty where something is."""
+        point, known = self._scaled(values), self._points[~np.isnan(self.ratios)]
+        low, high = known.min(axis=0), known.max(axis=0)
+        away = np.maximum(low - point, point - high) > MARGIN * (high - low)
+        texts = []
+        for name in np.array(list(self.words))[away]:
+            drawn = self.rows[name][~np.isnan(self.ratios)]
+            span = f"drawn were {drawn.min():.3g} to {drawn.max():.3g}"
+            texts.append(f"{self.words[name]} {values[name]:.3g}, {span}")
+        if texts:
+            return f"not measured here: {'; '.join(texts)}"
+        spread = np.maximum(self._points.std(axis=0), 1e-9)
+        distances = np.linalg.norm((self._points - point) / spread, axis=1)
+        nearest = np.argsort(distances)[:NEAREST]
+        lost = float(self.rows[TRUTH].isna().iloc[nearest].mean())
+        return "the reference itself does not know such a case" if lost > 0.5 else ""
+
+    def _against(self, name: str) -> Array:
+        """ln(peak of a model / truth) of all rows, NaN where one has none."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            ratios = np.log(self.rows[name].to_numpy(float) / self.rows[TRUTH].to_numpy(float))
+        return np.where(np.isfinite(ratios), ratios, nan)
+
+    def _cell_of(self, values: Any) -> Indices:
+        """Number of the cell of features, of one scenario or of rows (n,)."""
+        number = np.int64(0)
+        for name, bounds in self.cells.items():
+            place = np.searchsorted(bounds, values[name], "right")
+            number = number * (len(bounds) + 1) + place
+        return np.asarray(number)
+
+    @cached_property
+    def _points(self) -> Array:
+        return self._scaled(self.rows)
+
+    def _scaled(self, values: Any) -> Array:
+        """Features on their scales, logarithmic where all are positive."""
+        columns = []
+        for name in self.words:
+            scale = np.log if self.rows[name].min() > 0.0 else np.arcsinh
+            columns.append(scale(values[name]))
+        return np.column_stack(columns) if np.ndim(columns[0]) else np.array(columns)
+
+
+def ends_of(count: int) -> tuple[int, int]:
+    """Places of the ends of an interval among sorted values; the extremes where those are few."""
+    low = max(floor((count + 1) * 0.5 * (1.0 - COVERAGE)) - 1, 0)
+    return low, count - 1 - low
+
+
+COLUMNS = ErrorTable(
+    kind=ColumnImpact.KIND,
+    dataset="columns",
+    study="which_model",
+    features=features,
+    words=FEATURES,
+    cells={STRIKER: (0.6, 5.0), DEMAND: (0.5, 1.0)},
+    doubted=DEMAND,
+)
+TABLES = {table.kind: table for table in (COLUMNS,)}

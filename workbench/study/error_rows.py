@@ -1,0 +1,105 @@
+"""The table of an error model, from the stored results of the study that draws its scenarios."""
+
+import json
+import tomllib
+from collections.abc import Iterator
+from math import inf
+from pathlib import Path
+from typing import Any
+
+from workbench.errors import InputError
+from workbench.evidence.descriptors import variant_of
+from workbench.evidence.error_model import PEAK
+from workbench.evidence.error_table import FINEST, TRUTH, ErrorTable
+from workbench.responses import Response, findings_of, outcome_of, survives
+from workbench.scenarios import canonical
+from workbench.study.cells import cells_of
+from workbench.study.definition import Study
+from workbench.study.store import NOT_RUN, Store
+from workbench.study.tables import Row
+
+# subjects of warnings, beside those of its domain, of a reference that judges nobody
+DOUBTFUL = ("mesh", "time-step", "energy-balance", "no-peak")
+DIGITS = 7
+
+
+def error_rows(study: Study, table: ErrorTable, root: Path) -> Iterator[Row]:
+    """A row for every case: inputs, features, the reference and how it ended, peaks of all models.
+
+    Peaks are in m, infinite where the structure collapses, None without an answer; that of the
+    finest reference, too, only where it does not warn of itself. Raises `InputError` for a study
+    without the anchor or the reference.
+    """
+    names = {label: _name_of(study, label) for label in study.models}
+    others = [label for label in names if label != study.reference]
+    if names[study.reference] != table.reference or table.anchor not in names.values():
+        needed = f"must be of the reference {table.reference} and ask {table.anchor}"
+        raise InputError("study", study.name, needed)
+    store = Store(Path(root) / study.name)
+    cells = {(cell.case, cell.label): cell for cell in cells_of(study)}
+    version = {name: study.models[label].version for label, name in names.items()}
+    for case in study.cases:
+        answers: dict[str, Response] = {}
+        for label in names:
+            cell = cells.get((case.name, label))
+            answer = None if cell is None else store.answer(cell.key, cell.ingredients)
+            if answer is not None:
+                answers[label] = answer[1]
+        reference = answers.get(study.reference)
+        yield {
+            "case": case.name,
+            **{key: _rounded(value) for key, value in inputs_of(case.scenario).items()},
+            **{key: _rounded(value) for key, value in table.features(case.scenario).items()},
+            "reference": table.reference,
+            "reference_version": version[table.reference],
+            "anchor_version": version[table.anchor],
+            "reference_state": _state(reference),
+            TRUTH: _peak(reference, judges=True),
+            **{names[n]: _peak(answers.get(n), judges=names[n] == FINEST) for n in others},
+        }
+
+
+def inputs_of(scenario: Any) -> dict[str, Any]:
+    """The values of a scenario file by their paths, but for its name and kind; lists as JSON."""
+    values = {}
+    for table, content in tomllib.loads(canonical(scenario)[0]).items():
+        if isinstance(content, dict):
+            for key, value in content.items():
+                plain = isinstance(value, str | int | float)
+                values[f"{table}.{key}"] = value if plain else json.dumps(value)
+        elif isinstance(content, list):
+            values[table] = json.dumps(content)
+    return values
+
+
+def _name_of(study: Study, label: str) -> str:
+    """A model by its name and the options that change its numbers; meshes by their number."""
+    model: Any = study.models[label]
+    if label != study.reference and model.name == study.models[study.reference].name:
+        return f"{model.name} levels={model.levels}"
+    return f"{model.name} {variant_of(model)}".rstrip()
+
+
+def _state(response: Response | None) -> str:
+    """How a reference ended, and the subjects of what it says against itself."""
+    if response is None:
+        return NOT_RUN
+    return ", ".join((outcome_of(response).value, *sorted(_against_itself(response))))
+
+
+def _against_itself(response: Response) -> set[str]:
+    findings = findings_of(response)
+    return {f.subject for f in findings if f.outside or f.refusal or f.subject in DOUBTFUL}
+
+
+def _peak(response: Response | None, *, judges: bool) -> float | None:
+    if response is None or (judges and _against_itself(response)):
+        return None
+    alive = survives(response)
+    if alive is None or (alive and PEAK not in response):
+        return None
+    return _rounded(float(response[PEAK])) if alive else inf
+
+
+def _rounded(value: Any) -> Any:
+    return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
