@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 
 from workbench.errors import InputError
 from workbench.impact import collide
+from workbench.materials import Steel
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof
 from workbench.models.resistance import (
@@ -27,7 +28,7 @@ from workbench.models.single_dof.spring import pushed
 from workbench.models.soft_impact import SoftImpact
 from workbench.responses import Outcome, Response, collapse_of, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.sections import find
+from workbench.sections import find, rectangular_tube
 from workbench.testing import check_model
 
 
@@ -583,3 +584,13 @@ def test_long_steps_of_the_push_keep_peak_force_and_ledger(thesis_impact) -> Non
         assert float(own[name]) == pytest.approx(float(fine[name]), rel=bound)
     assert len(own["time"]) < 400
     assert float(np.abs(own["balance_error"]).max()) < 1e-12 * thesis_impact.input_energy
+
+
+def test_a_record_may_end_as_the_column_begins_to_swing_freely() -> None:
+    """No second row at the end, where nothing is left of the record to swing through."""
+    section, steel = rectangular_tube(0.15, 0.15, 0.008), Steel(yield_stress=460e6)
+    column = Column(section, 1.01, 5.08, steel, base="pinned", axial_load=172e3)
+    hit = ColumnImpact("light", replace(column, restraint_stiffness=119e6), Striker(37.0, 5.67))
+    for end in np.linspace(0.022, 0.025, 31).tolist():
+        response = SingleDof(resistance="cubic").simulate(replace(hit, duration=end))
+        assert response["time"].values[-1] == end

@@ -332,7 +332,8 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
             if lost(s):
                 record(s, pace, progress, records, n)
                 return COLLAPSE, n + 1
-            if impulse == 0.0 and controlled and calm(s, progress):
+            going = progress.time < end_time  # what has ended coasts nowhere
+            if impulse == 0.0 and controlled and going and calm(s, progress):
                 record(s, pace, progress, records, n)
                 return DONE, coast(s, pace, progress, records, n) + 1
         record(s, pace, progress, records, n)

@@ -46,6 +46,11 @@ def error_rows(study: Study, table: ErrorTable, root: Path) -> Iterator[Row]:
             if answer is not None:
                 answers[label] = answer[1]
         reference = answers.get(study.reference)
+        peaks: dict[str, float | None] = {}
+        for label in others:  # of several solids the first that answers
+            if peaks.get(names[label]) is None:
+                judges = names[label] == FINEST
+                peaks[names[label]] = _peak(answers.get(label), judges=judges)
         yield {
             "case": case.name,
             **{key: _rounded(value) for key, value in inputs_of(case.scenario).items()},
@@ -55,7 +60,7 @@ def error_rows(study: Study, table: ErrorTable, root: Path) -> Iterator[Row]:
             "anchor_version": version[table.anchor],
             "reference_state": _state(reference),
             TRUTH: _peak(reference, judges=True),
-            **{names[n]: _peak(answers.get(n), judges=names[n] == FINEST) for n in others},
+            **peaks,
         }
 
 
@@ -73,8 +78,10 @@ def inputs_of(scenario: Any) -> dict[str, Any]:
 
 
 def _name_of(study: Study, label: str) -> str:
-    """A model by its name and the options that change its numbers; meshes by their number."""
+    """A model by its name and the options that change its numbers, solids by their name alone."""
     model: Any = study.models[label]
+    if model.name == FINEST:
+        return FINEST
     if label != study.reference and model.name == study.models[study.reference].name:
         return f"{model.name} levels={model.levels}"
     return f"{model.name} {variant_of(model)}".rstrip()
