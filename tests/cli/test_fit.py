@@ -340,17 +340,21 @@ def test_formulas_that_the_table_cannot_feed_are_named(
 SOLVERS = """
 import sys
 from workbench.cli import run
-status = run(["fit", *sys.argv[1:]])
+calls = (
+    ["stud-strength", "--model", "en1994"],
+    ["load-slip", "--law", "bilinear"],
+    ["residual", sys.argv[1], "--quantity", "strength"],
+)
 floors = ("workbench.frames", "workbench.structures", "workbench.hinges")
-print(status, [name for name in sys.modules if name.startswith(floors)], file=sys.stderr)
+for call in calls:
+    status = run(["fit", *call])
+    print(status, [name for name in sys.modules if name.startswith(floors)], file=sys.stderr)
 """
 
 
-@pytest.mark.parametrize("verb", ["stud-strength", "load-slip", "residual"])
-def test_a_fit_of_studs_imports_no_frame_solver(tmp_path: Path, verb: str) -> None:
+def test_a_fit_of_studs_imports_no_frame_solver(tmp_path: Path) -> None:
     """The mechanical model, which is made of them, is read where it is asked to predict alone."""
     file = damaged(tmp_path / "lab.csv", "fatigue", "life fraction", "measured")
-    more = [str(file), "--quantity", "strength"] if verb == "residual" else []
-    call = [sys.executable, "-c", SOLVERS, verb, *more]
+    call = [sys.executable, "-c", SOLVERS, str(file)]
     done = subprocess.run(call, capture_output=True, text=True)
-    assert done.stderr.splitlines()[-1] == "0 []"
+    assert [line for line in done.stderr.splitlines() if line.endswith("]")] == ["0 []"] * 3

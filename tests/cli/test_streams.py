@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -25,9 +26,17 @@ def scenario(thesis_impact: ColumnImpact, tmp_path: Path) -> Path:
     return path
 
 
-def ran(*arguments: str, **environment: str) -> subprocess.CompletedProcess[bytes]:
-    given = {**os.environ, **environment}
-    return subprocess.run([*COMMAND, *arguments], capture_output=True, env=given, timeout=600)
+# several calls in one process, each as `main` ends it; a line of its own between them
+CALLS = """
+import json, sys
+from workbench.cli import main
+for sys.argv[1:] in json.loads(sys.argv[1]):
+    try:
+        main()
+    except SystemExit as ended:
+        for stream in (sys.stdout, sys.stderr):
+            print(f"<{ended.code or 0}>", file=stream, flush=True)
+"""
 
 
 @pytest.mark.parametrize(
@@ -39,16 +48,19 @@ def ran(*arguments: str, **environment: str) -> subprocess.CompletedProcess[byte
     ids=["ascii", "C"],
 )
 def test_a_pipe_that_is_not_utf_8_gets_ascii(scenario: Path, environment: dict[str, str]) -> None:
-    simulate = ("simulate", str(scenario), "--model", "energy-estimate")
-    text = ran(*simulate, **environment)
-    assert (text.returncode, text.stderr) == (0, b"")
-    assert text.stdout.startswith(b"Stoss +/- lamda: energy-estimate, ok\n")
-    content = ran(*simulate, "--json", **environment)
-    assert content.stdout.isascii()
-    assert "Stoß ± λ" in json.loads(content.stdout)["provenance"]["scenario"]
-    refused = ran("simulate", "Stoß.toml", "--model", "energy-estimate", **environment)
-    assert refused.returncode == 2
-    assert refused.stderr.count(b"\n") == 1
+    calls = [["simulate", str(path), "--model", "energy-estimate"] for path in (scenario, "Stoß")]
+    calls.insert(1, [*calls[0], "--json"])
+    command = [sys.executable, "-c", CALLS, json.dumps(calls)]
+    given = {**os.environ, **environment}
+    done = subprocess.run(command, capture_output=True, env=given, timeout=600)
+    text, content, nothing = re.split(rb"<\d>\n", done.stdout)[:3]
+    assert re.findall(rb"<(\d)>", done.stdout) == [b"0", b"0", b"2"]
+    assert text.startswith(b"Stoss +/- lamda: energy-estimate, ok\n")
+    assert content.isascii()
+    assert "Stoß ± λ" in json.loads(content)["provenance"]["scenario"]
+    assert nothing == b""
+    assert done.stderr.startswith(b"<0>\n<0>\nworkbench: ")
+    assert done.stderr.count(b"\n") == 4
 
 
 def test_a_pipe_or_stream_that_is_closed_ends_without_a_traceback() -> None:

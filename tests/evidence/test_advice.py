@@ -15,7 +15,7 @@ from workbench.responses import Finding
 from workbench.scenarios import Column, ColumnImpact, Striker
 from workbench.sections import find, names, rectangular_tube, square
 
-DRAWN = 200
+DRAWN = 100
 HELD = ("measured", "published")  # answer what was tested
 
 

@@ -142,22 +142,16 @@ def test_a_campaign_joins_the_study_of_studs_without_code() -> None:
     assert 0.8 < float(answer["test_over_prediction"]) < 1.25
 
 
-def test_a_table_comes_in_and_is_refused_through_real_processes() -> None:
-    def ran(*arguments: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-c", "from workbench.cli import main; main()", *arguments]
-        return subprocess.run(command, capture_output=True, text=True, timeout=600)
-
+def test_a_bad_table_is_refused_by_a_real_process() -> None:
     impacts((",CC BY 4.0,2026", ",,2026"))
-    refused = ran("data", "add", "tests.csv")
+    command = [sys.executable, "-c", "from workbench.cli import main; main()", "data", "add"]
+    refused = subprocess.run([*command, "tests.csv"], capture_output=True, text=True, timeout=600)
     assert (refused.returncode, refused.stdout) == (2, "")
     assert refused.stderr == (
         "workbench: tests.csv, line 3, column licence = '': must not be empty; "
         "also look at line 4\n"
     )
     assert not Path("lab_data").exists()
-    done = ran("data", "add", str(impacts()))
-    assert done.returncode == 0, done.stderr
-    assert "2 rows of impact-tests are in lab_data/tests.csv" in done.stdout
 
 
 def test_a_filled_template_is_taken(capsys: pytest.CaptureFixture[str]) -> None:
@@ -427,7 +421,7 @@ def test_a_file_that_is_not_of_the_catalogue_is_never_replaced() -> None:
 
 
 def test_tables_that_are_added_at_once_are_all_catalogued() -> None:
-    count = 4
+    count = 3
     for number in range(count):
         text = "\n".join((HEADER, UNITS, ROWS[0].format("validate"))) + "\n"
         text = text.replace("our lab", f"lab {number}").replace("68,3,", f"68.{number},3,")
@@ -439,6 +433,8 @@ def test_tables_that_are_added_at_once_are_all_catalogued() -> None:
     ]
     told = [each.communicate(timeout=600)[0].decode() for each in ran]
     assert [each.returncode for each in ran] == [0] * count, told
+    for number, text in enumerate(told):
+        assert f"1 rows of impact-tests are in lab_data/t{number}.csv" in text
     assert {f"t{number}" for number in range(count)} <= {entry.name for entry in datasets()}
     assert check() == problems_of_own() == []
 

@@ -325,6 +325,9 @@ BROKEN: dict[str, list[Change]] = {
 }
 
 
+REPORTED = ("values", "findings", "outcome")
+
+
 @pytest.mark.parametrize("kind", BROKEN)
 def test_cells_that_are_signed_but_broken_are_answered_again(
     small: Study, tmp_path: Path, kind: str
@@ -339,7 +342,8 @@ def test_cells_that_are_signed_but_broken_are_answered_again(
         store.put(cell.key, to_netcdf_bytes(broken), told)
         assert states(small, tmp_path).count(State.TO_DO) == 1
         assert assess(small, tmp_path).tables["cells"]["outcome"][0] == "not run"
-    build_report(Stored(store.directory, small), formats=("html",))
+    if kind in REPORTED:  # a report reads what `assess` has read: nothing of a broken cell
+        build_report(Stored(store.directory, small), formats=("html",))
     assert run_study(small, tmp_path, jobs=0).answered == 1
     assert states(small, tmp_path).count(State.TO_DO) == 0
 
