@@ -100,7 +100,7 @@ def test_no_verb_shows_the_help_and_version(capsys: pytest.CaptureFixture[str]) 
     [
         (["simulat"], "No such command 'simulat'. Did you mean 'simulate'?"),
         (["simulate"], "Missing argument 'SCENARIO.toml'"),
-        (["simulate", "a.toml"], "Missing option '--model'"),
+        (["simulate", "a.toml"], "cannot be read: No such file"),
         (["models", "--jsn"], "No such option: --jsn"),
         (["run", "x", "--jobs", "two"], "Invalid value for '--jobs'"),
         (["models", "four-dfo"], "did you mean four-dof?"),
@@ -247,6 +247,7 @@ KEYS = {
         "shear_utilisation",
     ),
     *("warnings", "refusals", "wall_time", "provenance", "numerical_uncertainty", "refinement"),
+    "error",
     *("largest_drift", "largest_plastic_rotation", "largest_compression", "largest_tension"),
     *("places", "hinges", "drift", "struck", "largest_sliding"),
 }
@@ -269,7 +270,11 @@ def test_simulate_prints_one_object(
     assert found["largest_drift"] is None
     low, high = found["hinges"]["base"]["plastic_rotation"]
     assert found["largest_plastic_rotation"] >= max(-low, high) > 0.0
-    assert "shear" in [finding["subject"] for finding in found["warnings"]]
+    assert [finding["subject"] for finding in found["warnings"]] == ["error"]
+    error = found["error"]
+    assert error["low"] < error["expected"] < error["high"] < -0.1
+    assert 0.9 < error["chance"] < 1.0
+    assert (error["collapse"] < 0.1, error["reason"]) == (True, "")
     assert found["provenance"]["options"]["beta"] == 1.3
     assert "velocity = 10" in found["provenance"]["scenario"]
     assert found["wall_time"] > 0.0
@@ -285,7 +290,8 @@ def test_simulate_prints_a_short_table_and_writes_the_response(
     assert run(["simulate", str(scenario_file), *arguments]) == 0
     text = capsys.readouterr().out
     assert "largest displacement of the hit or pushed point" in text
-    assert "warning (shear)" in text
+    assert "warning (error): expect -" in text
+    assert "Error of the peak displacement: expect -" in text
     response = read_netcdf(target)
     assert f"{1e3 * float(response['peak_displacement']):.1f}\u00a0mm" in text
     assert response.attrs["model"] == "four-dof"

@@ -17,7 +17,6 @@ from hypothesis import strategies as st
 from workbench.cli import run
 from workbench.errors import InputError, OutOfDomainError
 from workbench.evidence.advice import advise
-from workbench.evidence.measured import measured_findings
 from workbench.frames.collapse_load import collapse_factor, collapse_mechanism
 from workbench.frames.column_estimate import SAME
 from workbench.frames.column_line import HEAD_MASSES
@@ -425,14 +424,9 @@ def test_joints_that_sway_are_told_with_the_energy_that_they_take() -> None:
     held = hit(changed(cross(), _1={"locked": "x"}), velocity=20.0)
     assert "sway" not in {f.subject for f in ColumnOfFrame().domain(held)}
     light = replace(held, striker=replace(held.striker, mass=300.0))
-    told = {f.subject for f in advise(ColumnOfFrame(), light)}
-    assert "sway" not in told
-    assert told & {"unmeasured", "unmeasured-risk"}  # head masses were not drawn
-    # columns whose ends hold still tell nothing of one that sways; what helps knows frames
-    light = replace(gentle, striker=replace(gentle.striker, mass=300.0))
-    assert measured_findings(FourDof(), derive_column(light))
-    swayed = advise(ColumnOfFrame(), light)
-    assert not any("measured" in f.subject for f in swayed)
+    assert "sway" not in {f.subject for f in advise(ColumnOfFrame(), light)}
+    # what helps where the column sways knows frames
+    swayed = advise(ColumnOfFrame(), replace(gentle, striker=replace(gentle.striker, mass=300.0)))
     named = {name for f in swayed for name in f.instead or ()}
     assert named
     assert all(FrameImpact.KIND in make_model(name).answers for name in named)

@@ -7,9 +7,7 @@ from dataclasses import replace
 import pytest
 
 from workbench.frames.shear import shear_bound
-from workbench.impact import collide
 from workbench.models.domain import (
-    bounce_findings,
     buckling_findings,
     euler_load,
     member_findings,
@@ -17,14 +15,11 @@ from workbench.models.domain import (
 )
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.fiber_shear import FiberShear
-from workbench.registry import make_model
 from workbench.scenarios import (
     Column,
-    ColumnImpact,
     ColumnPushover,
     MemberPulse,
     Pulse,
-    Striker,
 )
 from workbench.sections import CircularTube, RectangularTube, Section, find, square
 
@@ -101,54 +96,3 @@ def test_warnings_begin_at_the_bound(demand, said) -> None:
     ]
     assert len(texts) == (1 if said else 0)
     assert all(said in text and f"V/Vpl = {demand:.2f}" in text for text in texts)
-
-
-LUMPED = (
-    *("four-dof", "four-dof-shear", "single-dof", "trilinear-catenary", "yin-wang", "izzuddin"),
-    *("biggs", "energy-estimate", "hand-estimate"),
-)
-OTHERS = ("soft-impact", "en-1991-hard-impact", "rigid-superelement", "fiber-shear")
-
-
-def bounced(thesis_impact: ColumnImpact, ratio: float, restitution: float) -> ColumnImpact:
-    mass = ratio * thesis_impact.column.properties.impact_mass
-    return replace(thesis_impact, striker=Striker(mass, 5.0, restitution))
-
-
-@pytest.mark.parametrize(
-    ("ratio", "restitution", "told"),
-    [(1.0, 0.5, True), (3.0, 0.5, False), (4.9, 1.0, True), (5.1, 1.0, False), (0.3, 0.0, False)],
-)
-def test_energy_that_a_bounce_keeps(thesis_impact, ratio, restitution, told) -> None:
-    """That of the colliding masses, without and with restitution."""
-    hit = bounced(thesis_impact, ratio, restitution)
-    found = bounce_findings(hit)
-    assert bool(found) == told
-    if found:
-        struck, striker = hit.column.properties.impact_mass, hit.striker.mass
-        kept, least = (
-            struck * after.struck_velocity**2 + striker * after.striker_velocity**2
-            for after in (collide(struck, striker, 5.0, e) for e in (restitution, 0.0))
-        )
-        assert found[0].number == pytest.approx(kept / least - 1.0)
-        assert f"{100.0 * found[0].number:.0f} % more energy" in found[0].text
-
-
-@pytest.mark.parametrize("name", LUMPED)
-def test_models_with_a_lumped_mass_tell_once_of_a_light_striker_that_bounces(
-    thesis_impact, name
-) -> None:
-    def told(ratio: float, restitution: float) -> int:
-        findings = make_model(name, {}).domain(bounced(thesis_impact, ratio, restitution))
-        return sum(f.subject == "restitution" for f in findings)
-
-    assert (told(1.0, 1.0), told(1.0, 0.0), told(20.0, 1.0)) == (1, 0, 0)
-
-
-def test_a_resistance_of_panels_tells_once_and_other_models_do_not(thesis_impact) -> None:
-    hit = bounced(thesis_impact, 1.0, 1.0)
-    for name in ("single-dof", "energy-estimate", "soft-impact"):
-        findings = make_model(name, {"resistance": "panel"}).domain(hit)
-        assert sum(f.subject == "restitution" for f in findings) == (name != "soft-impact")
-    for name in OTHERS:
-        assert "restitution" not in {f.subject for f in make_model(name, {}).domain(hit)}

@@ -10,7 +10,7 @@ from builders import THESIS_CURVE
 
 from workbench.models.energy_estimate import EnergyEstimate, energy_to_absorb
 from workbench.models.resistance import RESISTANCES, mechanism_of, resistance_curve
-from workbench.responses import collapse_of, warnings_of
+from workbench.responses import collapse_of
 from workbench.scenarios import ColumnImpact
 from workbench.testing import check_model
 
@@ -79,20 +79,6 @@ def test_elastic_impact_leaves_nothing(thesis_impact) -> None:
     assert float(response["peak_displacement"]) == pytest.approx(expected, rel=1e-12)
     assert float(response["residual_displacement"]) == 0.0
     assert float(response["shear_utilisation"][0]) < 1.0
-
-
-def test_restitution_findings(thesis_impact) -> None:
-    def subjects(impact: ColumnImpact) -> set[str]:
-        found = warnings_of(EnergyEstimate().simulate(impact))
-        return {finding.subject for finding in found} - {"measured", "unmeasured"}
-
-    assert subjects(thesis_impact) == {"shear"}
-    assert subjects(bouncing(thesis_impact, 1.0)) == {"shear"}
-    assert subjects(bouncing(thesis_impact, 0.5)) == {"shear", "restitution"}
-    light = bouncing(thesis_impact, 1.0, mass=300.0)
-    assert subjects(light) == {"shear", "restitution"}
-    slower = bouncing(thesis_impact, 0.5, mass=300.0)
-    assert subjects(slower) == {"shear", "restitution", "mass-ratio"}
 
 
 def test_energy_that_the_column_cannot_absorb_is_collapse(thesis_impact) -> None:

@@ -11,9 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.errors import InputError
-from workbench.evidence.measured import MOSTLY, measured_findings
 from workbench.frames.elastic import dead_load_state
-from workbench.models.column_of_frame import derive_column
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.references.fiber_reissner import FiberReissner
@@ -643,21 +641,6 @@ def test_a_short_i_section_member_warns_of_shear(thesis_impact) -> None:
     assert {"shear", "shear-reached"} & said["none"] == {"shear-reached"}
     assert not {"shear", "shear-reached"} & said["panel"]
     assert float(response["shear_utilisation"].max()) <= 1.0 + 1e-9
-
-
-def test_a_struck_frame_is_warned_as_columns_like_the_struck_one_were_measured() -> None:
-    """A light striker, low on a column: most such columns came out too small."""
-    frame = portal(section=find("HEB 220")).split("A0-A1", 0.7, "hit")
-    said = {}
-    for mass, velocity in ((100.0, 20.0), (5000.0, 3.0)):
-        hit = FrameImpact("hit", frame, FrameStriker(mass, velocity, node="hit"), 0.02)
-        column = derive_column(hit)
-        expected = measured_findings(RigidSuperelement(), column)
-        outside = [f.text for f in expected if f.subject in MOSTLY]
-        said[mass] = [f.text for f in measured_findings(RigidSuperelement(), hit)]
-        assert said[mass] == outside
-    assert said[100.0]
-    assert not said[5000.0]
 
 
 def test_exponents_do_not_apply_to_panels_and_it_says_so(thesis_impact) -> None:

@@ -38,12 +38,11 @@ def limit(
     """Find the value at which a structure collapses.
 
     Per model, the bracket in which survival turns into collapse, every value tried, and what the
-    model warns of there. By default it asks the model to which remedies lead for the scenario of
-    the file. Exit
-    status 0 if every model says where, or that it is not in the range, 1 if one leaves that open,
-    2 for bad input.
+    model warns of there. By default it asks the model that `workbench advise` names for the
+    scenario of the file. Exit status 0 if every model says where, or that it is not in the range,
+    1 if one leaves that open, 2 for bad input.
     """
-    from workbench.evidence.advice import trusted
+    from workbench.evidence.advice import choose
     from workbench.fields import Number
     from workbench.registry import make_model
     from workbench.scenarios import load_scenario
@@ -64,7 +63,7 @@ def limit(
         return load_scenario(scenario, [*(settings or []), f"{over}={value!r}"])
 
     checked = [scenario_at(end) for end in ends]  # both, before the work
-    names = model or [trusted(load_scenario(scenario, settings or []))]
+    names = model or [choose(load_scenario(scenario, settings or [])).model]
     models = [make_model(each, pairs_of("--option", options)) for each in names]
     limits = [find_limit(each, scenario_at, (ends[0], ends[1]), tolerance) for each in models]
     content = {

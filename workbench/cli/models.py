@@ -24,6 +24,7 @@ from workbench.content.tree import (
 from workbench.errors import InputError
 
 if TYPE_CHECKING:
+    from workbench.evidence.advice import Choice
     from workbench.registry import Offer
     from workbench.responses import Finding
 
@@ -47,41 +48,47 @@ def models(name: str = typer.Argument("", help="Show one model only, in full."))
 def advise(scenario: ScenarioFile, settings: Settings = None) -> Answer:
     """Say which model to take for a scenario, and why.
 
-    Nothing is simulated: findings on every model come from its domain and from what studies
-    measured.
+    The anchor of the error model answers; of the others stands what their domains say.
     """
-    from workbench.evidence.advice import advise, trusted
+    from workbench.evidence.advice import advise, choose
+    from workbench.evidence.catalogue import DATA
+    from workbench.evidence.error_model import PEAK, anchor_peak
     from workbench.registry import offers
     from workbench.scenarios import load_scenario
-    from workbench.study.definition import DATA
 
     given = load_scenario(scenario, settings or [])
     kinds = [offer.kind for offer in offers() if offer.kind is not None]
     fitting = [kind for kind in kinds if given.KIND in kind.answers and kind.name not in DATA]
     findings = {kind.name: advise(kind(), given) for kind in fitting}
-    name = trusted(given)
-    if name not in findings:
+    choice = choose(given)
+    if choice.model not in findings:
         raise InputError("kind", given.KIND, "no model in the order of trust answers it")
-    outside = any(finding.outside or finding.refusal for finding in findings[name])
-    reason = (
-        "no model in the order of trust is inside its domain; this one comes nearest"
-        if outside
-        else "the first in the order of trust that is inside its domain"
-    )
+    best = None  # estimate of the peak
+    if choice.error.expected is not None:
+        best = anchor_peak(given) / (1.0 + choice.error.expected)
     content = {
         "scenario": given.name,
-        "model": name,
-        "reason": reason,
+        "model": choice.model,
+        "reason": choice.reason,
+        "error": choice.error.as_dict(),
+        PEAK: best,
         "findings": {n: [f.as_dict() for f in each] for n, each in findings.items()},
     }
-    return Answer(content, _advice(given.name, name, reason, findings))
+    return Answer(content, _advice(given.name, choice, best, findings))
 
 
 def _advice(
-    scenario: str, name: str, reason: str, findings: dict[str, list[Finding]]
+    scenario: str, choice: Choice, best: float | None, findings: dict[str, list[Finding]]
 ) -> Iterator[Block]:
-    yield Paragraph(f"{scenario}: take {name}, {reason}.")
-    yield from warnings(finding.as_dict() for finding in findings[name])
+    from workbench.content.formatting import in_unit
+    from workbench.evidence.error_model import PEAK
+
+    yield Paragraph(f"{scenario}: take {choice.model}, {choice.reason}.")
+    if best is not None:
+        text = f"Peak displacement of {choice.error.anchor}, corrected by the error to expect"
+        yield Paragraph(f"{text}: {in_unit(best, PEAK)}.")
+    refused = (finding for finding in findings[choice.model] if finding.refusal)
+    yield from warnings(finding.as_dict() for finding in refused)
     columns = (
         Column("model", width=1.0, of=lambda pair: pair[0]),
         Column("refuses", width=1.0, of=lambda pair: _subjects(pair[1], lambda f: f.refusal)),
@@ -92,7 +99,7 @@ def _advice(
             of=lambda p: _subjects(p[1], lambda f: not (f.outside or f.refusal)),
         ),
     )
-    yield Table.of("models", "What is known of every model here.", columns, findings.items())
+    yield Table.of("models", "What every model says of itself here.", columns, findings.items())
 
 
 def _subjects(findings: list[Finding], chosen: Callable[[Finding], bool]) -> str:

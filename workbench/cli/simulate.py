@@ -33,7 +33,9 @@ _SEGMENTS = 4  # the most sheared ones, which the text names
 @verb
 def simulate(
     scenario: ScenarioFile,
-    model: str = option("Name of the model, see `workbench models`."),
+    model: str | None = option(
+        "Name of the model, see `workbench models`.  [default: as `workbench advise` says]", None
+    ),
     settings: Settings = None,
     options: Options = None,
     out: str | None = option("Write the whole response as netCDF.", None, "RUN.nc"),
@@ -42,13 +44,13 @@ def simulate(
     ),
     spread: Names = option("How well an input is known, for the budget.", None, "KEY=SHARE"),
 ) -> Answer:
-    """Answer one scenario with one model.
+    """Answer one scenario with one model, and its error.
 
     Exit status 0 if the model answered (collapse is an answer), 1 if it did not (it says why), 2
     for bad input.
     """
     from workbench.assessment.variations import Budget
-    from workbench.evidence.advice import advised
+    from workbench.evidence.advice import advised, choose
     from workbench.registry import make_model
     from workbench.responses import Outcome, outcome_of
     from workbench.scenarios import load_scenario
@@ -61,7 +63,7 @@ def simulate(
     given = load_scenario(scenario, settings or [])
     if errors is not None:
         errors.variations(given)
-    chosen = make_model(model, pairs_of("--option", options))
+    chosen = make_model(model or choose(given).model, pairs_of("--option", options))
     response = advised(chosen, given, chosen.simulate(given))
     outcome = outcome_of(response)
     if outcome is Outcome.INVALID_INPUT:
@@ -107,6 +109,7 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         **{name: last(name) for name in structural},
         "places": places_of(response),
         **_parts(response, scenario),
+        "error": attribute("error"),
         "numerical_uncertainty": attribute("numerical_uncertainty"),
         "refinement": attribute("refinement"),
         "energies": {
@@ -159,10 +162,15 @@ def _parts(response: Response, scenario: Scenario) -> dict[str, Any]:
 
 
 def _blocks(name: str, answer: dict[str, Any], target: Path | None) -> Iterator[Block]:
+    from workbench.evidence.error_model import ExpectedError
+
     yield Paragraph(f"{name}: {answer['model']}, {answer['outcome']}")
     if answer["message"]:
         yield Paragraph(answer["message"])
     yield Definitions(tuple(_lines(answer)))
+    error = ExpectedError(**answer["error"])
+    if error.collapse is not None:
+        yield Paragraph(f"Error of the peak displacement: {error}.")
     yield from warnings(answer["warnings"])
     if target is not None:
         yield Paragraph(f"The response is in {target}.")

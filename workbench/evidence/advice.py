@@ -1,100 +1,193 @@
-"""Advice on a scenario: what was measured of a model, and which model to take where it warns.
+"""Advice on an answer: the error to expect of it, and the model to take where that is warned of.
 
-Models stand in one order of trust. A remedy only goes up in it, so that no chain of remedies comes
-back, and ends at a model that is inside its own domain here.
+One order for all scenarios: the anchor of the error model, then the references. A model is named
+only where it is inside its own domain, and only above the model that warns, so that no advice goes
+in a circle. Where the error was measured it stands in place of what a domain says about physics.
 """
 
-from collections.abc import Iterable
-from dataclasses import replace
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 from workbench.errors import InputError, WorkbenchError
+from workbench.evidence.catalogue import DATA
 from workbench.evidence.descriptors import DEMAND, features
-from workbench.evidence.measured import measured_findings
-from workbench.frames.column_estimate import ON_FRAME
+from workbench.evidence.error_model import ExpectedError, anchor_error, expected_error
+from workbench.evidence.error_table import ANCHOR, FINEST, REFERENCE, TABLES
+from workbench.evidence.measured import pulse_findings
 from workbench.frames.runs import LARGEST_SHEAR_STRAIN
 from workbench.models.base import Model
-from workbench.models.column_of_frame import ColumnOfFrame
 from workbench.registry import make_model
 from workbench.responses import (
     Finding,
     Response,
+    finding,
     findings_of,
-    outcome_of,
     refusal_message,
     set_findings,
+    survives,
 )
-from workbench.scenarios import ColumnImpact
+from workbench.scenarios import ColumnImpact, MemberPulse
 
-# From the least trusted on; all others stand before them. The first two are only taken by name.
-ORDER = (
-    *("energy-estimate", "soft-impact"),
-    *("four-dof-shear", "plastic-hinge", "rigid-superelement", "flexible-superelement"),
-    *("fiber-reissner", "fiber-shear", "solid-plane-stress"),
-)
-_NO_STRETCH = "fiber-shear"  # follows large shear deformation only so far, which its run reports
+ORDER = (ANCHOR, REFERENCE, FINEST)
+CLOSE = "close-to-collapse"  # subject
 NONE = "no model of more trust is inside its domain here"
+_OTHER = (*DATA, "soft-impact")  # models whose numbers are of another hit, or nobody's answer
+_BECAUSE = {  # subjects of warnings that a measured error replaces, as its cause
+    "buckling": "the axial load bends what is deflected",
+    "shear": "webs yield in shear",
+    "stub": "a segment is hardly longer than its section is high",
+    "sliding": "a web slides",
+    "plates": "the strength given is not that of the plates",
+    "small-rotations": "bars turn far",
+    "simplification": "the resistance is simplified",
+    "striker": "the striker is soft here",
+    "hard-impact": "the structure is soft here",
+    "catenary": "members are pulled",
+    "interaction": "members are pressed",
+    "light-striker": "the striker is light",
+    "hit-mass": "elements share much mass with the striker",
+    "near-collapse": "the frame nearly falls",
+    "ends": "ends of the column move",
+    "sway": "ends of the column sway",
+    "fall": "the frame may fall",
+    "dead-moments": "dead loads bend the column",
+    "restraint": "the frame gives way to the spring",
+    "direct-shear": "webs yield in direct shear",
+    "short-pulse": "the pulse is short",
+    "sensitive": "the load is near the resistance",
+    "shapes": "the deflected shape changes",
+    "head-mass": "the head mass is left out",
+}
 
 
-def findings_about(model: Any, scenario: Any) -> list[Finding]:
-    """What is known about a model before it answers: its domain, and what studies measured."""
-    return [*model.domain(scenario), *measured_findings(model, scenario)]
+def expected(model: Model, scenario: Any, response: Response) -> ExpectedError:
+    """The error to expect of a model's answer; none of tests and papers, nor of a soft striker."""
+    if model.name in _OTHER:
+        return ExpectedError(ANCHOR, reason=f"{model.name} is not held against a rigid striker")
+    return expected_error(scenario, response)
 
 
 def advise(model: Model, scenario: Any, response: Response | None = None) -> list[Finding]:
     """Findings about a model in a scenario, each with the model to take instead.
 
-    Those of its `response`, or of its domain before it answers, and what studies measured.
+    Those of its domain before it answers; with a `response` those of that, and of its error.
     """
     if response is None:
-        findings = findings_about(model, scenario)
-    else:
-        findings = findings_of(response)
-        if outcome_of(response).is_answer:
-            findings += measured_findings(model, scenario, response)
-    return with_remedies(model, scenario, findings)
+        return with_remedies(model, scenario, model.domain(scenario))
+    return _advised(model, scenario, response)[0]
 
 
 def advised(model: Model, scenario: Any, response: Response) -> Response:
-    """The same response, which now carries the advice on it."""
-    findings = advise(model, scenario, response)
+    """The same response, which now carries the advice on it, and the error to expect as JSON."""
+    findings, error = _advised(model, scenario, response)
     set_findings(response, findings)
-    if any(finding.refusal for finding in findings):
+    response.attrs["error"] = json.dumps(error.as_dict())
+    if any(each.refusal for each in findings):
         response.attrs["message"] = refusal_message(findings)
     return response
 
 
+def _advised(
+    model: Model, scenario: Any, response: Response
+) -> tuple[list[Finding], ExpectedError]:
+    error, findings = expected(model, scenario, response), findings_of(response)
+    if isinstance(scenario, MemberPulse):
+        findings += pulse_findings(model, scenario.load, response)
+    if survives(response) is not None:
+        findings = judged(model, scenario, error, findings)
+    return with_remedies(model, scenario, findings), error
+
+
+def judged(
+    model: Model, scenario: Any, error: ExpectedError, findings: Iterable[Finding]
+) -> list[Finding]:
+    """Findings about an answer, its `error` in place of those that it replaces.
+
+    References keep all of theirs: by them they are taken for the truth, or are not.
+    """
+    kept = list(findings)
+    if hasattr(model, "levels") or model.name in _OTHER or scenario.KIND not in TABLES:
+        return kept
+    if error.chance is None:
+        return [*kept, finding("error-not-measured", reason=error.reason)]
+    replaced = [each for each in kept if not each.refusal and each.subject in _BECAUSE]
+    causes = dict.fromkeys(_BECAUSE[each.subject] for each in replaced)
+    return [*(each for each in kept if each not in replaced), *_about(error, ", ".join(causes))]
+
+
+def _about(error: ExpectedError, causes: str) -> Iterator[Finding]:
+    """Warnings of an error, and the `causes` that the domain of the model names."""
+    if error.warns:
+        parts = ("because",) if causes else ()
+        chance = 100.0 * (error.chance or 0.0)
+        name = "error" if error.expected is not None else "error-of-collapse"
+        yield finding(name, error.chance, parts=parts, said=error, causes=causes, chance=chance)
+    if error.near_collapse:
+        yield finding(CLOSE, anchor=error.anchor)
+
+
 def with_remedies(model: Any, scenario: Any, findings: Iterable[Finding]) -> list[Finding]:
-    """The findings of a model, those that another model mends with the names of such models."""
+    """The findings of a model, those that another model mends with the name of that."""
     completed = []
-    for finding in findings:
-        if finding.instead is not None:
-            first = ON_FRAME if isinstance(model, ColumnOfFrame) else finding.instead
-            names = _better(model.name, scenario, tuple(first))
-            finding = replace(finding, remedy=NONE, instead=names)
-            finding = finding.taking(names) if names else finding
-        completed.append(finding)
+    for each in findings:
+        if each.instead is not None:
+            names = better(model.name, scenario)
+            each = replace(each, remedy=NONE, instead=names)
+            each = each.taking(names) if names else each
+        completed.append(each)
     return completed
 
 
-def trusted(scenario: Any) -> str:
-    """The first model of the order that is inside its domain here; the beam before the solid."""
-    return next((n for n in _better("", scenario, ()) if n != ORDER[-1]), _NO_STRETCH)
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """The model to take for a scenario, the `reason`, and of the anchor the `error` to expect."""
+
+    model: str
+    reason: str
+    error: ExpectedError
 
 
-def _better(name: str, scenario: Any, first: tuple[str, ...]) -> tuple[str, ...]:
-    """The first model above this one that is inside its domain, and the first without a finding."""
-    rank = ORDER.index(name) if name in ORDER else -1
-    inside: tuple[str, ...] = ()
-    for other in dict.fromkeys((*first, *ORDER[2:])):
-        if other in ORDER[rank + 1 :] and not (other == _NO_STRETCH and _shears_far(scenario)):
-            findings = _findings_of_model(other, scenario)
-            if findings == ():
-                return (*inside, other)
-            if findings and not inside and not any(f.outside or f.refusal for f in findings):
-                inside = (other,)
-    return inside
+def choose(scenario: Any) -> Choice:
+    """The anchor, where it is warned of the beam that judges; the anchor too if no model will do.
+
+    The solid takes minutes: it is a remedy, no choice.
+    """
+    error = anchor_error(scenario)
+    known = f": {error}" if scenario.KIND in TABLES else ""
+    if is_inside(ANCHOR, scenario):
+        return Choice(ANCHOR, f"the anchor of the error model{known}", error)
+    if is_inside(REFERENCE, scenario):
+        return Choice(REFERENCE, f"a reference, as {ANCHOR} is warned of here{known}", error)
+    return Choice(ANCHOR, f"which comes nearest: no quick model is inside its domain{known}", error)
+
+
+def better(name: str, scenario: Any) -> tuple[str, ...]:
+    """The first model above this one in the order that is inside its domain; empty without."""
+    above = ORDER[ORDER.index(name) + 1 :] if name in ORDER else ORDER
+    return next(((each,) for each in above if is_inside(each, scenario)), ())
+
+
+@lru_cache(maxsize=256)
+def is_inside(name: str, scenario: Any) -> bool:
+    """Whether an installed model answers a scenario inside its domain, and is not warned of."""
+    model = _default_model(name)
+    if model is None or scenario.KIND not in model.answers:
+        return False
+    if name == REFERENCE and _shears_far(scenario):
+        return False
+    try:
+        findings = model.domain(scenario)
+        if name == ANCHOR and scenario.KIND in TABLES:
+            error = anchor_error(scenario)
+            if error.chance is None:
+                return False
+            findings = judged(model, scenario, error, findings)
+    except WorkbenchError:  # it would refuse as it answers
+        return False
+    return not any(each.outside or each.refusal for each in findings)
 
 
 def _shears_far(scenario: Any) -> bool:
@@ -103,18 +196,6 @@ def _shears_far(scenario: Any) -> bool:
         return False
     hit = features(scenario)
     return hit[DEMAND] > 1.0 and hit["turned"] > LARGEST_SHEAR_STRAIN
-
-
-@lru_cache(maxsize=64)  # one case is asked for by all: five models take 0.8, not 1.4 ms
-def _findings_of_model(name: str, scenario: Any) -> tuple[Finding, ...] | None:
-    """Findings about a model of this name; None if it does not answer."""
-    model = _default_model(name)
-    if model is None or scenario.KIND not in model.answers:
-        return None
-    try:
-        return tuple(findings_about(model, scenario))
-    except WorkbenchError:  # it would refuse as it answers
-        return None
 
 
 @lru_cache(maxsize=len(ORDER))

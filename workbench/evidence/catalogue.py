@@ -16,6 +16,7 @@ from workbench.scenarios.codec import read
 
 CATALOGUE = "catalogue.toml"
 SYNTHETIC = "synthetic"  # the role of made numbers, which show a form and validate nothing
+DATA = ("published", "measured")  # names of models that hold numbers and compute none
 ROLES = ("calibrate", "validate", "verify", SYNTHETIC)
 OTHER, IMPACT_TESTS, STUD_TESTS = "other", "impact-tests", "stud-tests"  # kinds of tables
 # for readers of tables: only an empty cell is missing; "NA" and "None" are names like any other

@@ -12,7 +12,7 @@ from typing import Any
 import pandas as pd
 
 from workbench.datafiles import data_directory
-from workbench.models.domain import RESTITUTION, euler_load, shear_demand
+from workbench.models.domain import euler_load, shear_demand
 from workbench.models.hit_mass import elastic_energy, front_velocity
 from workbench.scenarios import ColumnImpact
 
@@ -28,7 +28,7 @@ WORDS = {  # of the descriptors
     STRIKER: "striker over lumped mass",
     "restraint_over_axial": "restraint over axial stiffness of the column",
     "shape_factor": "shape factor",
-    RESTITUTION: "restitution",
+    "restitution": "restitution",
     "head_mass_over_striker": "mass at the head over the striker",
     "fixed_head": "fixed head (1: yes)",
 }
@@ -52,7 +52,7 @@ def descriptors(scenario: ColumnImpact) -> dict[str, float]:
         STRIKER: 1.0 / lumped,
         "restraint_over_axial": column.restraint_stiffness / axial,
         "shape_factor": section.plastic_section_modulus / section.elastic_section_modulus,
-        RESTITUTION: striker.restitution,
+        "restitution": striker.restitution,
         "head_mass_over_striker": column.head_mass / striker.mass,
         "fixed_head": float(column.head == "fixed"),
     }

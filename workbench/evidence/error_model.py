@@ -53,6 +53,14 @@ class ExpectedError:
         """Whether the answer is rather likely to be in error."""
         return self.chance is not None and self.chance > WARNED
 
+    def __str__(self) -> str:
+        if self.expected is None or self.low is None or self.high is None:
+            chance = 100.0 * (self.collapse or 0.0)
+            more = "" if self.collapse is None else f", chance of collapse {chance:.0f} %"
+            return f"{self.reason}{more}"
+        middle, *ends = (round(100.0 * share) for share in (self.expected, self.low, self.high))
+        return f"expect {middle:+d} %, 90 %: {ends[0]:+d} to {ends[1]:+d} %"
+
     def as_dict(self) -> dict[str, Any]:
         """The error as JSON holds it; null is unknown, and `reason` says why."""
         return asdict(self)
@@ -74,11 +82,24 @@ def expected_error(scenario: Any, response: Response) -> ExpectedError:
 
     The anchor itself is not run again. Raises `InputError` if it is not installed.
     """
+    name, peak = response.attrs["model"], _peak(response)
+    own = scenario.KIND in TABLES and _is_anchor(response, TABLES[scenario.KIND].anchor)
+    return _error(scenario, name, peak, peak if own else None)
+
+
+def anchor_error(scenario: Any) -> ExpectedError:
+    """The error to expect of the anchor itself, as `expected_error`."""
+    table = TABLES.get(scenario.KIND)
+    peak = nan if table is None else anchor_peak(scenario)
+    return _error(scenario, table.anchor if table else ANCHOR, peak, peak)
+
+
+def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> ExpectedError:
+    """That of the peak of a model's `answer` (m); the `anchor` has this peak (None: run it)."""
     table = TABLES.get(scenario.KIND)
     if table is None:
         return ExpectedError(ANCHOR, reason=f"errors of {scenario.KIND} were not measured")
-    name, answer = response.attrs["model"], _peak(response)
-    anchor = answer if _is_anchor(response, table.anchor) else anchor_peak(scenario)
+    anchor = anchor_peak(scenario) if anchor is None else anchor
     if isnan(answer) or isnan(anchor):
         whose = "the answer" if isnan(answer) else "the anchor"
         return ExpectedError(table.anchor, reason=f"{whose} has no peak displacement")
@@ -91,7 +112,7 @@ def expected_error(scenario: Any, response: Response) -> ExpectedError:
     near = not isinf(anchor) and anchor_peak(_faster(scenario)) > (1.0 + GROWS) * anchor
     known = replace(known, collapse=fallen, near_collapse=near)
     if isinf(answer) or isinf(anchor):
-        reason = "a collapse has no peak" if isinf(answer) else "the anchor collapses"
+        reason = "the anchor collapses" if isinf(anchor) else "the anchor survives"
         return replace(known, chance=1.0 - fallen if isinf(answer) else fallen, reason=reason)
     values = ratio.values + log(anchor / answer)
     if name in (table.reference, FINEST):

@@ -11,7 +11,6 @@ from workbench.hinges import ShearSurface
 from workbench.responses import Finding, finding
 from workbench.scenarios import (
     Column,
-    ColumnImpact,
     ColumnScenario,
     FrameScenario,
     FrameStatic,
@@ -21,8 +20,7 @@ from workbench.scenarios import (
 from workbench.scenarios.parts import MemberProperties
 from workbench.scenarios.pulse import UNIFORM
 
-RESTITUTION, DIRECT_SHEAR, IMPLAUSIBLE = "restitution", "direct-shear", "plausibility"  # subjects
-HEAVY = 5.0  # striker over lumped mass; above, restitution moves the peak of masses by some percent
+DIRECT_SHEAR, IMPLAUSIBLE = "direct-shear", "plausibility"  # subjects
 LEAST_LOAD = 1e-3  # of the squash load, below which loads look like kN
 _LEAST_PULSE = 5e-3  # of the plastic shear resistance
 _LEAST_MASS = 0.01  # of the steel, below which masses look like t
@@ -134,20 +132,6 @@ def step_finding(step: float, stable: float) -> list[Finding]:
     if step <= limit:
         return []
     return [finding("unstable-step", step=step, largest=limit)]
-
-
-def bounce_findings(scenario: ColumnImpact) -> list[Finding]:
-    """Warning of a light striker that bounces off a lumped mass.
-
-    After a collision with restitution e striker M and mass m keep e^2 m / M more energy than after
-    one without, relative to what that leaves; a beam sends most of it off in waves. What it does
-    to the peak was measured, see docs/theory/which-model.md.
-    """
-    striker = scenario.striker
-    more = striker.restitution**2 * scenario.column.properties.impact_mass / striker.mass
-    if more <= 1.0 / HEAVY:
-        return []
-    return [finding("bounce", more, restitution=striker.restitution, share=100.0 * more)]
 
 
 def count_finding(duration: float, step: float, most: int) -> list[Finding]:

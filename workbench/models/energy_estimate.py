@@ -9,10 +9,9 @@ from typing import Any, ClassVar
 
 from workbench.fields import Choice, Number, checked
 from workbench.models.base import Answering
-from workbench.models.domain import HEAVY, bounce_findings
-from workbench.models.hit_mass import HIT_MASS, THESIS, elastic_mass_findings, with_hit_mass
+from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, column_curve, limits
-from workbench.responses import Finding, Response, build_response, finding
+from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, ColumnScenario
 
 
@@ -51,12 +50,8 @@ class EnergyEstimate(Answering):
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
-        """Findings of all member models, and the restitution that the balance does not cover."""
-        findings = limits.curve_findings(scenario, self.resistance)
-        if isinstance(scenario, ColumnImpact):
-            findings += restitution_findings(scenario)
-            findings += elastic_mass_findings(scenario, self.hit_mass)
-        return findings
+        """Findings of all models on a resistance curve."""
+        return limits.curve_findings(scenario, self.resistance)
 
     def _solve(self, scenario: ColumnImpact) -> Response:
         column = scenario.column
@@ -86,17 +81,3 @@ def energy_to_absorb(scenario: ColumnImpact) -> float:
         return scenario.input_energy
     striker, struck = scenario.striker.mass, scenario.column.properties.impact_mass
     return scenario.input_energy * striker / (striker + struck)
-
-
-def restitution_findings(scenario: ColumnImpact) -> list[Finding]:
-    """Warnings of a restitution that an energy balance does not cover."""
-    restitution = scenario.striker.restitution
-    if restitution == 0.0:
-        return []
-    if restitution == 1.0:
-        return bounce_findings(scenario)
-    findings = [finding("restitution-as-zero", restitution)]
-    ratio = scenario.striker.mass / scenario.column.properties.impact_mass
-    if ratio < HEAVY:
-        findings.append(finding("mass-ratio", ratio=ratio))
-    return findings

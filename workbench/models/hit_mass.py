@@ -20,13 +20,11 @@ from math import pi, sqrt
 
 from workbench.fields import Choice
 from workbench.models.domain import mechanism_demand
-from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnImpact
 
 THESIS, WAVES = "thesis", "waves"
 HIT_MASS = Choice((THESIS, WAVES))
 _FIRST_MODE = 3.926602  # beta l of a bar hinged at one end and clamped at the other
-_MISSED = 0.15  # of the striker's mass, from which peaks were measured 10 % off
 
 
 def with_hit_mass(scenario: ColumnImpact, rule: str) -> ColumnImpact:
@@ -95,37 +93,3 @@ def elastic_energy(column: Column) -> float:
         stiffness += 1.0 / (flexible + length / shear_rigidity(column))
         resistance += min(demand[bar], 1.0) * properties.shear_resistance
     return 0.5 * resistance**2 / stiffness
-
-
-def elastic_mass(column: Column) -> float:
-    """Mass (kg) at the hit point with the kinetic energy of the elastic column bent by a force.
-
-    rho A times the integral of phi^2, phi the deflection, 1 at the hit point: 0.37 of a clamped
-    column hit in the middle, more than all of it if hit at a sixth: the longer bar moves most.
-    """
-    stiffness = moment = moved = 0.0
-    bars = tuple(zip(column.bars.values(), (1.0, -1.0), strict=True))
-    for (length, clamped), sign in bars:
-        stiffness += (4.0 if clamped else 3.0) / length
-        moment += sign * (6.0 if clamped else 3.0) / length**2
-    slope = moment / stiffness  # at the hit point
-    for (length, clamped), sign in bars:
-        near = sign * slope * length
-        far = 0.0 if clamped else 1.5 - 0.5 * near  # of a cubic with phi = 0 and 1 at its ends
-        terms = 156.0 + 4.0 * (far**2 + near**2) - 6.0 * far * near + 26.0 * far - 44.0 * near
-        moved += length / 420.0 * terms
-    return column.properties.mass_per_length * moved
-
-
-def elastic_mass_findings(scenario: ColumnImpact, rule: str) -> list[Finding]:
-    """Warning of what the elastic column takes up beyond the lumped mass of a `rule`.
-
-    It counts for the energy before the mechanism. Measured in docs/theory/hit-mass.md.
-    """
-    column, striker = with_hit_mass(scenario, rule).column, scenario.striker.mass
-    lumped, whole = column.properties.impact_mass, scenario.column.properties.impact_mass
-    elastic = min(1.0, elastic_energy(column) * (1.0 + whole / striker) / scenario.input_energy)
-    missed = elastic * (elastic_mass(column) - lumped) / striker
-    if missed <= _MISSED:
-        return []
-    return [finding("elastic-mass", missed, missed_2=_MISSED)]

@@ -143,17 +143,12 @@ class SoftImpact(Answering):
         return column_curve(scenario.column, *spring)
 
     def domain(self, scenario: ColumnImpact) -> list[Finding]:
-        """Findings of all models on a resistance curve, and a restitution that has no part.
-
-        A perfect one is that of an elastic spring. Shear is that of the run, not of a mechanism.
-        """
+        """Findings of all models on a resistance curve, of shear those of the run."""
         findings = [
             f for f in limits.curve_findings(scenario, self.resistance) if f.subject != "shear"
         ]
         if self.striker_stiffness == VEHICLE_STIFFNESS:
             findings.append(finding("stiffness-of-cars", stiffness=VEHICLE_STIFFNESS / 1e3))
-        if 0.0 < scenario.striker.restitution < 1.0:
-            findings.append(finding("restitution-of-spring", scenario.striker.restitution))
         return findings
 
     def _solve(self, scenario: ColumnImpact) -> Response:

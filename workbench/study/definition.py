@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from workbench.assessment import METRICS, Gate, Scope
 from workbench.assessment.variations import Budget
 from workbench.errors import InputError, one_line
+from workbench.evidence.catalogue import DATA as DATA
 from workbench.fields import Choice, did_you_mean
 from workbench.responses import VARIABLES
 from workbench.responses.uncertainty import level_names
@@ -19,9 +20,6 @@ from workbench.scenarios import Scenario
 
 if TYPE_CHECKING:
     from workbench.models.base import Model
-
-
-DATA = ("published", "measured")  # names of models that hold numbers and compute none
 
 
 def holds_data(model: Model) -> bool:

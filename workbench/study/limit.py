@@ -12,9 +12,9 @@ from dataclasses import asdict, dataclass, replace
 from math import sqrt
 from typing import Any
 
-from workbench.evidence.advice import advise
+from workbench.evidence.advice import CLOSE, advise
 from workbench.models.base import Model, on_one_mesh
-from workbench.responses import Outcome, collapse_of, outcome_of, survives, warnings_of
+from workbench.responses import Outcome, Response, collapse_of, outcome_of, survives, warnings_of
 from workbench.responses.histories import NO_PEAK
 from workbench.scenarios import Scenario
 from workbench.scenarios.column import DURATION
@@ -28,8 +28,8 @@ LONGER = 4  # doublings of a record that ends before its peak
 class Trial:
     """What became of the structure at one `value`: `survives`, None where that is not known.
 
-    With `outcome` and `message`, `collapse` as responses carry it, `duration` of the record (s;
-    None: the scenario has none), and `warnings` as `simulate` prints them.
+    With `outcome` and `message`, `collapse` as responses carry it, and `duration` of the record (s;
+    None: the scenario has none).
     """
 
     value: float
@@ -38,13 +38,14 @@ class Trial:
     message: str
     collapse: dict[str, Any] | None
     duration: float | None
-    warnings: tuple[dict[str, Any], ...] = ()
 
 
 @dataclass(frozen=True)
 class Limit:
     """The bracket in which a `model` turns from survival to collapse, and every value tried.
 
+    `warnings` at both ends of it, as `simulate` prints them: where it survives, and of what else
+    it collapses.
     `survives_at` and `collapses_at` are None where no value tried does so; `settled`, whether
     nothing is left open: the bracket is as narrow as was asked, or the ends of the range decide.
     """
@@ -54,6 +55,7 @@ class Limit:
     collapses_at: float | None
     settled: bool
     trials: tuple[Trial, ...]
+    warnings: tuple[dict[str, Any], ...] = ()
 
     @property
     def undecided(self) -> tuple[Trial, ...]:
@@ -64,19 +66,10 @@ class Limit:
         low, high = sorted((self.survives_at, self.collapses_at))
         return tuple(trial for trial in silent if low < trial.value < high)
 
-    @property
-    def warnings(self) -> tuple[dict[str, Any], ...]:
-        """Of the model at the critical value: where it survives, and of what else it collapses."""
-        ends = (self.survives_at, self.collapses_at)
-        at = [t for end in ends for t in self.trials if t.value == end]
-        known = [each["subject"] for t in at[:1] for each in t.warnings]
-        more = (each for t in at[1:] for each in t.warnings if each["subject"] not in known)
-        return (*(each for t in at[:1] for each in t.warnings), *more)
-
     def as_dict(self) -> dict[str, Any]:
         """The limit as JSON holds it, with trials in the order of their values."""
         tried = sorted(self.trials, key=lambda trial: trial.value)
-        trials = [{n: v for n, v in asdict(t).items() if n != "warnings"} for t in tried]
+        trials = [asdict(trial) for trial in tried]
         return {**asdict(self), "trials": trials, "warnings": list(self.warnings)}
 
 
@@ -94,10 +87,14 @@ def find_limit(
     """
     alone = on_one_mesh(model)
     trials: dict[float, Trial] = {}
+    ended: dict[bool | None, tuple[Scenario, Response]] = {}  # the last answers of each kind
 
     def tried(value: float) -> bool | None:
-        trials[value] = ask(alone, value, scenario_at(value))
-        return trials[value].survives
+        scenario, response = ask(alone, scenario_at(value))
+        trials[value] = _trial(value, scenario, response)
+        survived = trials[value].survives
+        ended[survived] = scenario, response
+        return survived
 
     first, last = ends
     survived_at = collapsed_at = None
@@ -122,7 +119,11 @@ def find_limit(
         survived = tried(middle)
         survived_at = middle if survived else survived_at
         collapsed_at = middle if survived is False else collapsed_at
-    return Limit(model.name, survived_at, collapsed_at, settled, tuple(trials.values()))
+    at_ends = [ended[way] for way in (True, False) if way in ended]
+    findings = {f.subject: f for each in reversed(at_ends) for f in advise(alone, *each)}
+    told = (f for f in findings.values() if not f.refusal and f.subject != CLOSE)
+    warnings = tuple(f.as_dict() for f in told)
+    return Limit(model.name, survived_at, collapsed_at, settled, tuple(trials.values()), warnings)
 
 
 def _gap(survived_at: float, collapsed_at: float, silent: list[float]) -> tuple[bool, float, float]:
@@ -137,8 +138,11 @@ def _gap(survived_at: float, collapsed_at: float, silent: list[float]) -> tuple[
     return bool(inside), start, end
 
 
-def ask(model: Model, value: float, scenario: Any) -> Trial:
-    """The answer of a model; a record that ends before its peak is made longer, where it may be."""
+def ask(model: Model, scenario: Any) -> tuple[Any, Response]:
+    """The answer of a model; a record that ends before its peak is made longer, where it may be.
+
+    With the scenario, which then has this record.
+    """
     response = model.simulate(scenario)
     for _ in range(LONGER):
         longer = 2.0 * getattr(scenario, "duration", DURATION.high)
@@ -147,6 +151,10 @@ def ask(model: Model, value: float, scenario: Any) -> Trial:
             break
         scenario = replace(scenario, duration=longer)
         response = model.simulate(scenario)
+    return scenario, response
+
+
+def _trial(value: float, scenario: Any, response: Response) -> Trial:
     collapse = collapse_of(response)
     open_end = [str(finding) for finding in warnings_of(response) if finding.subject == NO_PEAK]
     return Trial(
@@ -156,7 +164,6 @@ def ask(model: Model, value: float, scenario: Any) -> Trial:
         response.attrs["message"] or "; ".join(open_end),
         None if collapse is None else collapse._asdict(),
         getattr(scenario, "duration", None),
-        tuple(f.as_dict() for f in advise(model, scenario, response) if not f.refusal),
     )
 
 

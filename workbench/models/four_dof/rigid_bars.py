@@ -23,11 +23,11 @@ from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.impact.pace import Pace
 from workbench.impact.records import Run, follow, histories_of
 from workbench.models.base import Answering
-from workbench.models.domain import bounce_findings, buckling_findings, count_finding, step_finding
+from workbench.models.domain import buckling_findings, count_finding, step_finding
 from workbench.models.elastic_springs import Springs, thesis_springs
 from workbench.models.four_dof import march, panels, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
-from workbench.models.hit_mass import HIT_MASS, THESIS, elastic_mass_findings, with_hit_mass
+from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.responses import VARIABLES, Finding, Response, build_response, open_share
 from workbench.responses.histories import balance_error
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario
@@ -107,7 +107,6 @@ class RigidBars(Answering):
         if any(finding.refusal for finding in findings):
             return findings
         if isinstance(scenario, ColumnImpact):
-            findings += bounce_findings(scenario) + elastic_mass_findings(scenario, self.hit_mass)
             if self.integrator == "moreau" and self.time_step:
                 stable = 2.0 / self._highest_frequency(scenario.column)
                 findings += step_finding(self.time_step, stable)

@@ -14,15 +14,13 @@ import numpy as np
 from workbench.fields import Choice, checked
 from workbench.models.base import Answering
 from workbench.models.domain import member_findings
-from workbench.models.energy_estimate import energy_to_absorb, restitution_findings
-from workbench.models.hit_mass import elastic_energy
-from workbench.models.resistance import axial_flexibility, limits
-from workbench.responses import Finding, Response, build_response, finding
+from workbench.models.energy_estimate import energy_to_absorb
+from workbench.models.resistance import limits
+from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact
 
 NONE, LINEAR, SECTION = "none", "linear", "section"
 AXIAL = Choice((NONE, LINEAR, SECTION))  # how the axial load lowers the plastic moment
-_MUCH = 0.1  # share of the energy that may be left out without a warning
 
 
 def plastic_moment(column: Column, axial: str) -> float:
@@ -47,20 +45,6 @@ def turning(column: Column) -> float:
 def mechanism_load(column: Column, axial: str) -> float:
     """Force (N) at the hit point of the mechanism with hinges there and at clamped ends."""
     return plastic_moment(column, axial) * turning(column)
-
-
-def slope_sum(column: Column) -> float:
-    """Turning kappa of both bars of the mechanism against each other per displacement, per m."""
-    return 1.0 / column.length_below + 1.0 / column.length_above
-
-
-def catenary_start(column: Column) -> float:
-    """Displacement (m) from which on the chords stretch more than the hinges, r turning / kappa.
-
-    r = M_p / N_p of the linear yield surface.
-    """
-    arm = column.properties.plastic_moment / column.properties.squash_load
-    return arm * turning(column) / slope_sum(column)
 
 
 @dataclass(frozen=True)
@@ -88,22 +72,8 @@ class HandEstimate(Answering):
     sources: ClassVar[tuple[str, ...]] = ("biggs1964",)
 
     def domain(self, scenario: ColumnImpact) -> list[Finding]:
-        """Findings of all member models, and how much of the energy the estimate leaves out."""
-        column = scenario.column
-        findings = member_findings(scenario) + restitution_findings(scenario)
-        force, energy = mechanism_load(column, self.axial), energy_to_absorb(scenario)
-        displacement = energy / force
-        sinking = 0.5 * slope_sum(column) * column.axial_load * displacement / force
-        if sinking > _MUCH:
-            findings.append(finding("axial-work", sinking, share=sinking))
-        beyond = max(displacement - catenary_start(column), 0.0)
-        tension = slope_sum(column) ** 2 * beyond**4 / (8.0 * axial_flexibility(column)) / energy
-        if tension > _MUCH:
-            findings.append(finding("no-catenary", tension, share=tension))
-        elastic = elastic_energy(scenario.column) / energy
-        if elastic > _MUCH:
-            findings.append(finding("elastic", elastic, share=elastic))
-        return findings
+        """Findings of all member models."""
+        return member_findings(scenario)
 
     def _solve(self, scenario: ColumnImpact) -> Response:
         column, striker = scenario.column, scenario.striker

@@ -8,13 +8,13 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, OutOfDomainError
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
-from workbench.models.domain import RESTITUTION, member_findings
+from workbench.models.domain import member_findings
 from workbench.models.four_dof import FourDofShear
 from workbench.models.resistance.curve import ResistanceCurve
 from workbench.models.resistance.panel import PANEL
 from workbench.models.resistance.shapes import resistance_curve
 from workbench.responses import Finding, finding
-from workbench.scenarios import Column, ColumnPushover, ColumnScenario
+from workbench.scenarios import Column, ColumnPushover, ColumnScenario, MemberPulse
 
 SEGMENTS = ("below", "above")
 _ROTATION = 0.5  # rad; small rotations change the force by about 7 % here
@@ -54,13 +54,13 @@ def out_of_reach(column: Column, displacement: float, time: float | None = None)
 def curve_findings(scenario: ColumnScenario, shape: str) -> list[Finding]:
     """Findings of all member models, and those of every model on a resistance curve.
 
-    Of the shape of panels those of the four-DOF column with them but of how its mass bounces.
-    Warning: a head mass, which these models leave out. Refusal: a push beyond their reach.
+    Of the shape of panels those of the four-DOF column with them.
+    Warning: a head mass, which a pulse moves here without. Refusal: a push beyond their reach.
     """
     domain = FourDofShear().domain if shape == PANEL else member_findings
-    findings = [finding for finding in domain(scenario) if finding.subject != RESTITUTION]
+    findings = list(domain(scenario))
     column = scenario.column
-    if column.head_mass > 0.0 and not isinstance(scenario, ColumnPushover):
+    if column.head_mass > 0.0 and isinstance(scenario, MemberPulse):
         findings.append(finding("head-mass", head_mass=column.head_mass))
     if isinstance(scenario, ColumnPushover) and scenario.displacement > reach(column):
         findings.append(finding("reach", displacement=scenario.displacement, reach=reach(column)))

@@ -23,8 +23,8 @@ from workbench.impact import collide
 from workbench.impact.pace import Pace
 from workbench.impact.records import Run, follow
 from workbench.models.base import Answering
-from workbench.models.domain import bounce_findings, step_finding
-from workbench.models.hit_mass import HIT_MASS, THESIS, elastic_mass_findings, with_hit_mass
+from workbench.models.domain import step_finding
+from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import (
     INTERACTIONS,
     SECTION,
@@ -128,10 +128,8 @@ class SingleDof(Answering):
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and those of the rigid-bar mechanism and the scheme."""
         findings = limits.curve_findings(scenario, self.resistance)
-        if isinstance(scenario, ColumnImpact):
-            findings += bounce_findings(scenario) + elastic_mass_findings(scenario, self.hit_mass)
-            if self.time_step is not None:
-                findings += self._step_findings(scenario, self.time_step)
+        if isinstance(scenario, ColumnImpact) and self.time_step is not None:
+            findings += self._step_findings(scenario, self.time_step)
         return findings
 
     def _step_findings(self, scenario: ColumnImpact, step: float) -> list[Finding]:
