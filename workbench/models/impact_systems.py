@@ -82,7 +82,7 @@ class ColumnSystem(_Struck):
         """Plastic flow."""
         start = self._committed["stress"][0].copy()
         trial = self._at(q)
-        statics.commit(self.column, start, trial, self._work)
+        statics.update_plastic_deformations(self.column, start, trial, self._work)
         self._committed[0] = trial
 
     def energy(self) -> tuple[float, float]:

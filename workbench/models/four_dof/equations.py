@@ -133,7 +133,7 @@ def allowed(s, dt, size):
     """Residual of a solved step: 1e-8, or what the round-off of velocities leaves in short ones."""
     work, column = s.room[0], s.columns[0]
     velocity = abs(work.w0[V]) + 2.0 * abs(work.moved[V]) / dt
-    rounded = 8.0 * EPS * work.inertia * velocity / (dt * column.squash_loads[0])
+    rounded = 8.0 * EPS * work.strike_mass * velocity / (dt * column.squash_loads[0])
     return max(_TOLERANCE, rounded)
 
 
@@ -162,7 +162,7 @@ def finish(s, size):
     Those of an elastic bar are exact: along the tangent it would seem to flow by a round-off.
     """
     column, state, work = s.columns[0], s.states[1], s.room[0]
-    if size > work.nearly or not aim(s):
+    if size > work.finish_below or not aim(s):
         return False
     step, D, elastic = work.step, work.D, column.stiffness
     for i in range(4):

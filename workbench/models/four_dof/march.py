@@ -43,7 +43,7 @@ def solve(s, dt, closed, touch, striker):
     copy(now.w, work.w0)
     copy(now.stress, work.stress0)
     copy(now.turn, work.turn0)
-    work.inertia = 2.0 * s.columns[0].mass[V] + s.columns[0].mass[U2] + striker
+    work.strike_mass = 2.0 * s.columns[0].mass[V] + s.columns[0].mass[U2] + striker
     done, residual, total = False, np.inf, 0
     for nested in range(2):
         work.nested = nested
@@ -65,7 +65,7 @@ def settle(s, dt):
     Plastic shear of webs has no bound of its own: the hinges that turn with it have.
     """
     column, start, end = s.columns[0], s.states[0], s.states[1]
-    statics.commit(column, s.room[0].stress0, end, s.room[0])
+    statics.update_plastic_deformations(column, s.room[0].stress0, end, s.room[0])
     most = 0.0
     for bar in range(2):
         for j in range(3):
@@ -135,7 +135,7 @@ def lost(s):
 @inner
 def mass_of(s):
     """The impact mass; in equal steps none, the striker is met within a step as in the thesis."""
-    return s.room[0].alone
+    return s.room[0].collision_mass
 
 
 @inner
@@ -169,7 +169,7 @@ def follow(column, state, work):
     residual = statics.axial_equilibrium(column, statics.HELD, massless, state, work)
     if residual > statics.TOLERANCE:
         return False
-    statics.commit(column, state.stress, state, work)
+    statics.update_plastic_deformations(column, state.stress, state, work)
     return True
 
 
@@ -217,9 +217,9 @@ def start(columns, states, room, pace):
     s = TwoBars(columns, states, room)
     statics.internal_forces(s.columns[0], s.states[0], s.room[0])
     at_place(s)
-    s.room[0].alone = s.columns[0].mass[V] if pace.error < np.inf else 0.0
+    s.room[0].collision_mass = s.columns[0].mass[V] if pace.error < np.inf else 0.0
     if s.columns[0].sliding == panels.RIGID_IN_SHEAR:
-        s.room[0].nearly = _NEARLY if pace.error < np.inf else _CLOSELY
+        s.room[0].finish_below = _NEARLY if pace.error < np.inf else _CLOSELY
     return s
 
 

@@ -175,7 +175,7 @@ class RigidBars(Answering):
         return None if step is None else min(step, scenario.duration / 20)
 
     def _pace(self, scenario: ColumnImpact, refinement: int) -> Pace:
-        """How the impact is stepped through, `refinement` times finer by a quarter."""
+        """Pace of the impact; each `refinement` quarters tolerances, first and longest step."""
         duration, step = scenario.duration, self._fixed_step(scenario)
         if step is not None:
             step = duration / int(np.ceil(duration / step))
@@ -247,7 +247,7 @@ class RigidBars(Answering):
             if self._fixed_step(scenario) is not None or error < self._BALANCE:
                 break
         else:
-            raise SolverError("the energy balance", error, "steps down to a 256th in length")
+            raise SolverError("the energy balance", error, "tolerances and steps down to a 256th")
         solved = perf_counter() - started
         turned = records["plastic"][_BARS, _PLACES]
         if bars["sliding"] == panels.CHORD:

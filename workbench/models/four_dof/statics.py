@@ -57,9 +57,12 @@ WORK = np.dtype(  # room for the numbers of one evaluation
         ("E", float, 4),
         ("Q", float, 4),
         ("F0", float, 4),  # forces with which the step began
-        ("nearly", float),  # residual of a step, over the squash load, that a Newton step removes
-        ("inertia", float),  # of all that moves along the strike, kg
-        ("alone", float),  # mass of the hit point that collides at an instant, kg
+        (
+            "finish_below",
+            float,
+        ),  # residual over the squash load that one more Newton step removes; 0: none
+        ("strike_mass", float),  # of all that moves along the strike, kg
+        ("collision_mass", float),  # mass of the hit point that collides at an instant, kg
         ("nested", int),  # whether the rotation is balanced inside every evaluation
         ("rate", float, 4),  # mean velocities of the last step
         *((name, float, (4, 4)) for name in ("K", "J", "B", "D4", "K4", "K0")),
@@ -257,7 +260,7 @@ def axial_equilibrium(column, free_u1, free_u2, state, work):
 
 
 @njit(cache=True, error_model="numpy")
-def commit(column, start, state, work):
+def update_plastic_deformations(column, start, state, work):
     """Plastic deformations from the converged forces, total less elastic, and what they dissipate.
 
     `start` (2, 4): the forces with which the step began; their mean with those at the end works.
@@ -310,7 +313,7 @@ def pushover(column, path, least, records, work):
             q[V] = origin + (at + stride) * (path[i] - origin)
             residual = axial_equilibrium(column, FREE, column.free_head, state, work)
             if residual <= TOLERANCE:
-                commit(column, work.stress0, state, work)
+                update_plastic_deformations(column, work.stress0, state, work)
                 copy(state.stress, work.stress0)
                 at += stride
                 stride *= 2.0
