@@ -5,11 +5,17 @@ of a tenth to ten of their periods as a line load, and of one and ten as a force
 force at a point for a tenth of a period punches: half of it is several times the shear resistance.)
 Peaks of the pulses are those that take an elastic-plastic mass with the stiffness and the plastic
 mechanism of the member to a ductility of 1, 3 and 10. Every second member is without root fillets.
+
+Elements of both references begin with 1.25 mm: half of one lies between a clamp and where its hinge
+is sampled, which makes the member that much stronger over half its span, and a long pulse near the
+plastic resistance goes 10 % less far for a percent (by default they begin with 47 mm of a span of
+6 m, open by up to 60 %). Four meshes: three do not tell order from scatter.
 """
 
 import sys
 from itertools import product
 from math import pi, sqrt
+from typing import Any
 
 from workbench.assessment import Gate
 from workbench.cli import main
@@ -18,16 +24,17 @@ from workbench.models.practice.catenary import Izzuddin, TrilinearCatenary, YinW
 from workbench.models.practice.charts import pressure_impulse
 from workbench.models.single_dof import SingleDof
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_corotational import FiberCorotational
+from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.fiber_shear import FiberShear
 from workbench.scenarios import Column, MemberPulse, Pulse
 from workbench.sections import find
 from workbench.study import Case, Figure, Study
 
 REFERENCE, BEAM = "web-yielding beam", "fiber beam"
+FINE: dict[str, Any] = {"smallest_element": 0.0025, "refinement": 1, "levels": 4}
 models = {
-    REFERENCE: FiberShear(),
-    BEAM: FiberCorotational(levels=1),
+    REFERENCE: FiberShear(**FINE),
+    BEAM: FiberReissner(**FINE),
     "flexible superelements": FlexibleSuperelement(),
     "rigid superelements": RigidSuperelement(),
     "Biggs": Biggs(),

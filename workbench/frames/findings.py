@@ -17,6 +17,7 @@ from workbench.scenarios import (
 )
 
 BUCKLING_WARNING = 2.0  # critical factor below which second-order effects dominate
+_ENOUGH = 8  # bars of members that a light striker does not hit: their first modes within 3 %
 _MUCH_SHARED = 0.08  # of the energy, lost in the first collision with the elements beside it
 _SHARE = 0.1  # of the mass, that may be missing
 
@@ -88,9 +89,11 @@ def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Fin
     shared = sum(mass / parts[number] / 3.0 for number, mass in steel.items())
     lost = (1.0 - striker.restitution**2) * shared / (shared + striker.mass)
     share = striker.mass / sum(steel.values())
+    fewest = min((each for n, each in enumerate(parts) if n not in steel), default=_ENOUGH)
     light = []
-    if share < 1.0 and len(struck) < len(frame.members):
-        light = [finding("light-striker", share, share=share)]
+    if share < 1.0 and fewest < _ENOUGH:
+        values = {"share": share, "fewest": fewest, "wanted": _ENOUGH}
+        light = [finding("light-striker", share, **values)]
     if lost <= _MUCH_SHARED:
         return light
     hit = finding("hit-mass", lost, node=striker.node, mass=shared, percent=100.0 * lost)
