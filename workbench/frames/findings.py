@@ -92,8 +92,8 @@ def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Fin
     fewest = min((each for n, each in enumerate(parts) if n not in steel), default=_ENOUGH)
     light = []
     if share < 1.0 and fewest < _ENOUGH:
-        values = {"share": share, "fewest": fewest, "wanted": _ENOUGH}
-        light = [finding("light-striker", share, **values)]
+        wanted = _ENOUGH
+        light = [finding("light-striker", share, share=share, fewest=fewest, wanted=wanted)]
     if lost <= _MUCH_SHARED:
         return light
     hit = finding("hit-mass", lost, node=striker.node, mass=shared, percent=100.0 * lost)
