@@ -20,7 +20,7 @@ from workbench.structures.assembly import PlanarAssembly, graded_lengths
 from workbench.structures.explicit import explicit_impact
 from workbench.structures.fibers import BeamSection
 from workbench.structures.fibers.beams import FiberBeams, ReissnerBeams, radau_rule
-from workbench.structures.fibers.laws import LinearHardening
+from workbench.structures.fibers.section import LinearHardening
 from workbench.structures.impact import PointMass, impact
 
 E, FY, SIDE, LAYERS, MASS, HARDENING = 210e9, 355e6, 0.2, 20, 314.0, 1e-6

@@ -27,7 +27,7 @@ from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact
 from workbench.structures.fibers import BeamSection
 from workbench.structures.fibers.beams import ReissnerBeams
-from workbench.structures.fibers.laws import LinearHardening
+from workbench.structures.fibers.section import LinearHardening
 from workbench.structures.impact import PointMass, impact
 
 CLOSE = {"rtol": 0.0, "atol": 1e-10}

@@ -12,10 +12,9 @@ from builders import SQUARE, portal
 
 from workbench.frames.chains import chains
 from workbench.frames.elastic import dead_load_state, line_wave_times, time_to_peak
-from workbench.frames.findings import frame_findings
 from workbench.frames.shear import shear_demand, shear_stiffness
 from workbench.frames.structure import free_to_spin
-from workbench.models.domain import euler_load
+from workbench.models.domain import euler_load, frame_findings
 from workbench.models.domain import shear_demand as column_demand
 from workbench.models.superelements import RigidSuperelement
 from workbench.responses import Outcome, outcome_of

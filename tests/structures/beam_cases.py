@@ -7,7 +7,7 @@ import numpy as np
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fibers import BeamSection
 from workbench.structures.fibers.beams import FiberBeams, radau_rule
-from workbench.structures.fibers.laws import LinearHardening
+from workbench.structures.fibers.section import LinearHardening
 
 E_STEEL, YIELD = 210e9, 355e6
 KINDS = {

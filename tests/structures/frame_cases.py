@@ -10,7 +10,7 @@ from reissner_cases import square
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fibers import BeamSection
 from workbench.structures.fibers.beams import ReissnerBeams
-from workbench.structures.fibers.laws import LinearHardening
+from workbench.structures.fibers.section import LinearHardening
 
 HEIGHT, SPAN = 4.0, 6.0
 

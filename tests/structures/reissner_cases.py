@@ -9,7 +9,7 @@ import numpy as np
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fibers import BeamSection
 from workbench.structures.fibers.beams import ReissnerBeams
-from workbench.structures.fibers.laws import (
+from workbench.structures.fibers.section import (
     MILD_STEEL,
     LinearHardening,
     MenegottoPinto,

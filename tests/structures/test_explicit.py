@@ -13,7 +13,7 @@ from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact, stable_step
 from workbench.structures.fibers import BeamSection
 from workbench.structures.fibers.beams import FiberBeams
-from workbench.structures.fibers.laws import LinearHardening
+from workbench.structures.fibers.section import LinearHardening
 from workbench.structures.impact import PointMass, impact
 
 SPAN = 3.0

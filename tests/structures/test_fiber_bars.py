@@ -20,7 +20,7 @@ from workbench.structures.bars import (
 from workbench.structures.bars import fiber_kernels as kernels
 from workbench.structures.elements import Bars
 from workbench.structures.fibers import BeamSection
-from workbench.structures.fibers.laws import LinearHardening
+from workbench.structures.fibers.section import LinearHardening
 
 LENGTH, SHEAR, JOINT = 3.0, 2e8, 5e7
 E, FY = 210e9, 355e6

@@ -10,7 +10,7 @@ from section_cases import response
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fibers import BeamSection
 from workbench.structures.fibers.beams import FiberBeams, gauss_rule, radau_rule
-from workbench.structures.fibers.laws import LinearHardening
+from workbench.structures.fibers.section import LinearHardening
 from workbench.structures.paths import apply_loads, push
 
 SCALE = np.array([1e-3, 1e-3, 6e-3])  # displacements (m) and rotations that make fibers yield

@@ -14,7 +14,7 @@ from workbench.sections import find
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fibers import BeamSection
 from workbench.structures.fibers.beams import FiberBeams
-from workbench.structures.fibers.laws import LinearHardening
+from workbench.structures.fibers.section import LinearHardening
 from workbench.structures.impact import PointMass, impact
 
 FAR = PointMass(1.0, 0.0, position=-100.0)  # a striker that never arrives

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from reissner_cases import FY, SIDE, E, chain, elastic, square, straight
 
 from workbench.errors import InputError, SolverError
-from workbench.structures.fibers.laws import LinearHardening
+from workbench.structures.fibers.section import LinearHardening
 from workbench.structures.paths import PathStep, apply_loads, follow_displacement, follow_load, push
 
 PLASTIC_MOMENT = 0.25 * FY * SIDE**3

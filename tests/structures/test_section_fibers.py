@@ -8,7 +8,7 @@ from section_cases import response
 
 from workbench.sections import find
 from workbench.structures.fibers import BeamSection, section_fibers
-from workbench.structures.fibers.laws import LinearHardening
+from workbench.structures.fibers.section import LinearHardening
 
 E, FY = 210e9, 355e6
 

@@ -11,7 +11,7 @@ from section_cases import stress_path
 
 from workbench.errors import InputError
 from workbench.structures.fibers.kernels import sheared
-from workbench.structures.fibers.laws import LinearHardening, ShearYielding
+from workbench.structures.fibers.section import LinearHardening, ShearYielding
 
 E, FY = 210e9, 355e6
 G = E / 2.6

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from section_cases import stress_path
 
 from workbench.errors import InputError
-from workbench.structures.fibers.laws import (
+from workbench.structures.fibers.section import (
     MILD_STEEL,
     CowperSymonds,
     LinearHardening,

@@ -10,7 +10,7 @@ from verification_cases import FORMULATIONS, NEVER, group, hold, orders, slender
 
 from workbench.structures.arc_length import follow_arc
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fibers.laws import LinearHardening
+from workbench.structures.fibers.section import LinearHardening
 from workbench.structures.paths import push
 
 

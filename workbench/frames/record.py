@@ -2,15 +2,17 @@
 
 from functools import lru_cache
 from operator import attrgetter
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import numpy as np
 
-from workbench.arrays import Array
-from workbench.frames.collapse_watch import CollapseWatch
+from workbench.arrays import Array, Indices
+from workbench.frames import collapse_watch as collapse
 from workbench.frames.structure import FrameStructure, upright_names
 from workbench.scenarios import Frame
 from workbench.structures.paths import PathStep
+from workbench.structures.superelements import Superelements, SuperelementState
+from workbench.structures.superelements.march import CollapseLimits, Records
 from workbench.structures.time_steps import TimeStep
 
 LEAST_FLOW = 1e-9  # of the stored energy; below it a yield ratio says nothing
@@ -48,7 +50,7 @@ class Snapshots:
         if self.turns is None:
             drawn = self._count(at, size, turns)
         else:
-            drawn = self._follow(self.turns, at, size)
+            drawn = self._follow(self.turns, np.array([at]), np.array([size])).size > 0
         self._last = at
         if drawn:
             self._draw(at)
@@ -67,18 +69,18 @@ class Snapshots:
         self._seen += 1
         return peak or even
 
-    def _follow(self, turns: Array, at: float, size: float) -> bool:
-        """Look at a time (s) with a displacement of that size (m); whether it is to be drawn."""
-        peak = self._rising and size < self._largest
-        if peak:
-            self._peak = at
-        self._rising, self._largest = size >= self._largest, max(self._largest, size)
-        passed = int(np.searchsorted(turns, at, side="right"))
-        even = passed > self._next
-        if even:
-            self._even.append(at)
-        self._next = max(passed, self._next)
-        return peak or even
+    def _follow(self, turns: Array, at: Array, size: Array) -> Indices:
+        """Look at times (n,) in s with displacements of that size (m); rows to be drawn."""
+        highest = np.maximum.accumulate(np.append(self._largest, size))
+        rising = np.append(self._rising, size >= highest[:-1])
+        after_peak = np.flatnonzero(rising[:-1] & ~rising[1:])
+        passed = np.append(self._next, np.searchsorted(turns, at, side="right"))
+        even = np.flatnonzero(passed[1:] > passed[:-1])
+        self._largest, self._rising, self._next = float(highest[-1]), rising[-1], passed[-1]
+        self._even += at[even].tolist()
+        for peak in at[after_peak[-1:]].tolist():
+            self._peak = peak
+        return np.union1d(even, after_peak[-1:])
 
     def values(self) -> dict[str, Any]:
         """Variables of the response; the state seen last must still be the committed one."""
@@ -122,14 +124,13 @@ class Record:
         self, structure: FrameStructure, node: str, direction: str, end: float | None
     ) -> None:
         self.structure = structure
-        self.watch = CollapseWatch(structure)
+        self.watch = collapse.CollapseWatch(structure)
         self._dof, self._sign = structure.dof(node, direction)
         self._timed = end is not None
         self._steps: list[Any] = []
         self._rows: dict[str, list[Any]] = {}
         self._most: Array = np.zeros((2, len(structure.frame.members)))  # shear, that of no panels
         self.drift: Array = np.zeros(len(upright_names(structure.frame)))
-        self._totals: dict[str, Array] = {}
         self.shear_strain: Array | None = None
         self._snapshots = self.pictures(structure, end)
         self._begin()
@@ -152,15 +153,18 @@ class Record:
         frame has collapsed, `OutOfDomainError` when an element crumples.
         """
         self._steps.append(step)
-        self._totals.clear()
         self._see(at, turns)
         self.watch.check(self.displacement, at if self._timed else None)
 
     def _see(self, at: Any, turns: bool) -> None:
         members, assembly = self.structure.members, self.structure.assembly
-        moved = assembly.displacement - self.structure.start
-        seen = self._committed() | {
+        moved, watched = assembly.displacement - self.structure.start, self.structure.watched
+        seen = {
             "at": at,
+            "displacement": self.displacement,
+            "velocity": self._sign * assembly.velocity[..., self._dof],
+            "elastic": assembly.stored,
+            **{n: sign * assembly.displacement[..., d] for n, (d, sign) in watched.items()},
             "dead_work": moved @ assembly.load,
             "axial_force": members.axial_forces(),
             "moment": self.structure.sense * members.moments(),
@@ -177,16 +181,6 @@ class Record:
             known = 0.0 if self.shear_strain is None else self.shear_strain
             self.shear_strain = np.maximum(known, strains)
         self._snapshots.see(at, seen["displacement"], turns=turns)
-
-    def _committed(self) -> dict[str, Any]:
-        """Scalars of the committed state, or of several, by the names of their histories."""
-        assembly, watched = self.structure.assembly, self.structure.watched.items()
-        return {
-            "displacement": self.displacement,
-            "velocity": self._sign * assembly.velocity[..., self._dof],
-            "elastic": assembly.stored,
-            **{name: sign * assembly.displacement[..., dof] for name, (dof, sign) in watched},
-        }
 
     def column(self, name: str) -> Array:
         """History of a scalar (steps,), or of one of each hinge (hinges, steps)."""
@@ -206,9 +200,7 @@ class Record:
 
     def total(self, name: str) -> Array:
         """History (steps,) of the sum of that over all steps so far."""
-        if name not in self._totals:
-            self._totals[name] = np.cumsum(self.history(0.0, name))
-        return self._totals[name]
+        return np.cumsum(self.history(0.0, name))
 
     def states(self) -> dict[str, Any]:
         """Variables of hinges, members, watched dofs and snapshots."""
@@ -265,3 +257,94 @@ def _largest(values: Array) -> Array:
 def _resistances(frame: Frame) -> Array:
     """Plastic shear resistance of each member (members,), in N."""
     return np.array([frame.properties(member).shear_resistance for member in frame.members])
+
+
+_COLUMNS = {"impulse": "percussion", "striker.velocity": "striker_velocity"}
+
+
+def show(structure: FrameStructure, records: Records, rows: Any) -> None:
+    """Make a structure show the states of these `rows` of the records, for its readers."""
+    (group,) = structure.assembly.groups
+    cast(Superelements, group).show(SuperelementState(*(each[rows] for each in records.states)))
+    structure.assembly.show(records.x[rows], records.v[rows], records.table["stored"][rows])
+
+
+class StruckSnapshots(Snapshots):
+    """Snapshots of many states at a time, those of `records`."""
+
+    records: Records
+
+    def see(self, at: Any, displacement: Any, *, turns: bool = False) -> None:
+        """Look at the states at several times (s), with their displacements (m)."""
+        turned = self._follow(cast(Array, self.turns), at, np.abs(displacement))
+        rows = np.union1d(turned, [len(at) - 1])
+        self._last = float(at[-1])
+        show(self._structure, self.records, rows)
+        members = self._structure.members
+        pictures = members.shapes(self._structure.assembly), members.utilisation()
+        self._pictures += zip(at[rows].tolist(), *pictures, strict=True)
+
+
+class StruckRecord(Record):
+    """Histories of an impact as `follow_impact` tells of it: many records at a time."""
+
+    pictures: ClassVar[type[Snapshots]] = StruckSnapshots
+    _snapshots: StruckSnapshots
+
+    def _begin(self) -> None:
+        """Nothing is seen yet: the first records tell of the start as well."""
+
+    @property
+    def limits(self) -> CollapseLimits:
+        """Beyond what the frame has collapsed, for compiled steps."""
+        lines = self.watch.lines
+        return CollapseLimits(
+            collapse.COLLAPSE_SIDEWAYS,
+            collapse.COLLAPSE_CONTRACTION,
+            collapse.LEAST_LENGTH,
+            self.structure.members.first,
+            lines.corners,
+            lines.across,
+            lines.along,
+            lines.chained.argmax(axis=0),
+            lines.chained.max(axis=0),
+        )
+
+    def take(self, step: TimeStep | PathStep | Records, at: Any, *, turns: bool = False) -> None:
+        """Append several records, the states that they lead to, and those of the start.
+
+        Raises `CollapseError` when the frame has collapsed, `OutOfDomainError` when an element
+        crumples.
+        """
+        records = self._snapshots.records = cast(Records, step)
+        self._steps.append(records)
+        show(self.structure, records, slice(None))
+        self._see(at, turns)
+        if records.collapsed:
+            show(self.structure, records, -1)
+            self.watch.check(self.displacement, float(at[-1]))
+
+    def column(self, name: str) -> Array:
+        """As of other records."""
+        return np.ascontiguousarray(np.concatenate(self._rows[name]).T)
+
+    def history(self, start: float, name: str) -> Array:
+        """As of other records; the kinetic energy is that of structure and striker."""
+        if name == "length":
+            return np.diff(self.column("at"), prepend=0.0)
+        values = np.concatenate(
+            [records.table[_COLUMNS.get(name, name)] for records in self._steps]
+        )
+        values[0] = start
+        return values
+
+    def moving(self, start: float) -> Array:
+        """As of other records."""
+        return self.history(start, "kinetic")
+
+    def total(self, name: str) -> Array:
+        """As of other records."""
+        if name in ("evaluations", "cuts"):
+            return np.array([getattr(self._steps[-1], name)])
+        column = name.removeprefix("energies.")
+        return np.concatenate([records.table[column] for records in self._steps])

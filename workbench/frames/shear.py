@@ -9,8 +9,7 @@ from workbench.materials import Steel
 from workbench.responses import Finding, finding
 from workbench.scenarios import Frame, FramePulse, FrameScenario, Member
 from workbench.sections import CircularTube, Rectangle, Section
-from workbench.structures.fibers.laws import LinearHardening
-from workbench.structures.fibers.section import BeamSection
+from workbench.structures.fibers.section import BeamSection, LinearHardening
 
 SHEAR_LOSS = 0.05  # of the resistance, by shear yielding
 ROUND_OFF = 1e-9

@@ -6,7 +6,7 @@ tests hold it to scipy's `solve_ivp` with events. Quantities are SI.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from math import asin, pi, sqrt
 
 import numpy as np
@@ -18,7 +18,7 @@ from workbench.fields import did_you_mean
 from workbench.impact.laboratory import run
 from workbench.impact.laws import Penalty, Restitution
 from workbench.impact.schemes.event_driven import event_driven
-from workbench.impact.system import Springs, System, springs
+from workbench.impact.system import System, springs
 
 G = 9.81  # m/s2
 _FINER = 2
@@ -76,14 +76,11 @@ def flights(e: float, height: float, times: Array) -> Array:
 
 def ball(e: float, height: float = 0.3, heights: tuple[float, ...] = HEIGHTS) -> Problem:
     """A ball that bounces on the floor; `heights` of other starts over its own."""
-
-    def system() -> Springs:
-        return springs([1.0], contacts=[{0: 1.0}], gaps=[0.0], load=[-G])
-
     return Problem(
         f"ball, e = {e:g}",
         "parabolas; impacts accumulate where e < 1",
-        *(system, Restitution(e), ((height,), (0.0,)), 1.0),
+        *(partial(springs, [1.0], (), [{0: 1.0}], [0.0], [-G]), Restitution(e)),
+        *(((height,), (0.0,)), 1.0),
         lambda times: flights(e, height, times),
         steps=50,
         conservative=e == 1.0,
@@ -103,10 +100,7 @@ def table() -> Problem:
         places: Array = size * np.sin(phase) + up * tau - 0.5 * G * tau**2
         return places[:, None]
 
-    def system() -> Springs:
-        swing = (size, w)
-        return springs([1.0], contacts=[{0: 1.0}], gaps=[0.0], load=[-G], swing=swing)
-
+    system = partial(springs, [1.0], (), [{0: 1.0}], [0.0], [-G], (size, w))
     tau = -phase / w % period
     start = (float(exact(np.zeros(1))[0, 0]),), (up - G * tau,)
     source = "closed form of the periodic motion (Holmes 1982)"
@@ -126,9 +120,7 @@ def two_masses(e: float = 0.5) -> Problem:
         first = speed * np.minimum(times, gap / speed) + (after - light * kick) * tau
         return np.column_stack([first, (after + heavy * kick) * tau])
 
-    def system() -> Springs:
-        return springs([heavy, light], contacts=[{0: -1.0, 1: 1.0}], gaps=[gap])
-
+    system = partial(springs, [heavy, light], contacts=[{0: -1.0, 1: 1.0}], gaps=[gap])
     return Problem(
         "two masses",
         "momentum and restitution",
@@ -151,10 +143,8 @@ def cradle(law: str = "newton", coefficients: tuple[float, ...] = (1.0,)) -> Pro
         first: Array = np.outer(np.minimum(times, gap), [1.0, 0.0, 0.0])
         return first + np.outer(tau, ends)
 
-    def system() -> Springs:
-        pairs: list[dict[int, float]] = [{0: -1.0, 1: 1.0}, {1: -1.0, 2: 1.0}]
-        return springs([1.0] * 3, contacts=pairs, gaps=[gap, 0.0])
-
+    pairs: list[dict[int, float]] = [{0: -1.0, 1: 1.0}, {1: -1.0, 2: 1.0}]
+    system = partial(springs, [1.0] * 3, contacts=pairs, gaps=[gap, 0.0])
     return Problem(
         "cradle",
         f"simultaneous impacts by the law of {law.title()}",
@@ -173,9 +163,7 @@ def oscillator(distance: float = 0.6) -> Problem:
         tau = np.mod(times, period)
         return np.where(tau < quarter, -np.sin(tau), np.sin(tau - 2.0 * quarter))[:, None]
 
-    def system() -> Springs:
-        return springs([1.0], [({0: 1.0}, (1.0,), 0.0)], [{0: 1.0}], [distance])
-
+    system = partial(springs, [1.0], [({0: 1.0}, (1.0,), 0.0)], [{0: 1.0}], [distance])
     grazes = distance >= 1.0
     duration = 10.0
     return Problem(
@@ -196,11 +184,8 @@ def bar(elements: int = 20) -> Problem:
     """
     n, gap = elements, 0.05
     masses = [0.5 / n, *[1.0 / n] * (n - 1), 0.5 / n]
-
-    def system() -> Springs:
-        laws = [({i: -1.0, i + 1: 1.0}, (float(n),), 0.0) for i in range(n)]
-        return springs(masses, laws, [{0: 1.0}], [gap])
-
+    laws = [({i: -1.0, i + 1: 1.0}, (float(n),), 0.0) for i in range(n)]
+    system = partial(springs, masses, laws, [{0: 1.0}], [gap])
     start = (0.0,) * (n + 1), (-0.1,) * (n + 1)
     return Problem("bar", "certified", system, Restitution(0.0), start, 3.5, steps=100)
 
@@ -210,10 +195,7 @@ def soft_impact(yield_force: float | None = None) -> Problem:
     masses, r1, r2 = (1500.0, 2000.0), 3e5, 2e6
     start = (0.0, 0.0), (10.0, 0.0)
     resist = (r2,) if yield_force is None else (r2, 0.0, yield_force)
-
-    def system() -> Springs:
-        laws = [({0: -1.0, 1: 1.0}, Penalty(r1), 0.0), ({1: 1.0}, resist, 0.0)]
-        return springs(masses, laws)
+    laws = [({0: -1.0, 1: 1.0}, Penalty(r1), 0.0), ({1: 1.0}, resist, 0.0)]
 
     def exact(times: Array) -> Array:
         root = np.sqrt(np.array(masses))
@@ -242,7 +224,7 @@ def soft_impact(yield_force: float | None = None) -> Problem:
     return Problem(
         "soft impact" if elastic else "soft impact, plastic",
         "two modes until the vehicle leaves" if elastic else "certified",
-        *(system, Restitution(0.0), start, 0.3, exact if elastic else None),
+        *(partial(springs, masses, laws), Restitution(0.0), start, 0.3, exact if elastic else None),
         steps=100,
         conservative=elastic,
     )
@@ -250,10 +232,7 @@ def soft_impact(yield_force: float | None = None) -> Problem:
 
 def duffing() -> Problem:
     """A hardening oscillator, q'' + q + q^3 = 0, with a stop at -0.5."""
-
-    def system() -> Springs:
-        return springs([1.0], [({0: 1.0}, (1.0, 1.0), 0.0)], [{0: 1.0}], [0.5])
-
+    system = partial(springs, [1.0], [({0: 1.0}, (1.0, 1.0), 0.0)], [{0: 1.0}], [0.5])
     start = (1.0,), (0.0,)
     return Problem("Duffing", "certified", system, Restitution(0.8), start, 10.0, steps=80)
 

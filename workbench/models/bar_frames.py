@@ -9,7 +9,6 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.fields import Choice, Number, checked
 from workbench.frames.elastic import Spans, spans_to, time_to_peak, wave_times
-from workbench.frames.findings import hit_mass_findings
 from workbench.frames.runs import OPEN_LEDGER
 from workbench.frames.structure import FrameStructure, stand_frame
 from workbench.frames.superelements import (
@@ -19,6 +18,7 @@ from workbench.frames.superelements import (
     joint_inertias,
     struck_parts,
 )
+from workbench.models.domain import hit_mass_findings
 from workbench.models.frame_model import FrameModel, as_frame
 from workbench.responses import Finding, finding
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FramePulse, FrameScenario

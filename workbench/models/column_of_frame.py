@@ -16,9 +16,8 @@ from workbench.errors import InputError, OutOfDomainError
 from workbench.fields import Choice, checked
 from workbench.frames.column_estimate import HEADS, ColumnEstimate, estimate_column
 from workbench.frames.column_line import HEAD_MASSES
-from workbench.frames.findings import frame_findings
 from workbench.models.base import Answering
-from workbench.models.domain import IMPLAUSIBLE
+from workbench.models.domain import IMPLAUSIBLE, frame_findings
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.single_dof import SingleDof

@@ -16,7 +16,7 @@ from workbench.sections import find
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fibers import BeamSection
 from workbench.structures.fibers.beams import ReissnerBeams
-from workbench.structures.fibers.laws import LinearHardening
+from workbench.structures.fibers.section import LinearHardening
 
 _MOVING = np.array([V, U1, U2])
 
@@ -122,25 +122,19 @@ def column_problem() -> Problem:
 class StructureSystem(_Struck):
     """A planar structure struck at a dof: unknowns are its free dofs, then the striker."""
 
-    def __init__(
-        self, assembly: PlanarAssembly, dof: int, striker_mass: float, sign: float = 1.0
-    ) -> None:
+    def __init__(self, assembly: PlanarAssembly, dof: int, striker_mass: float) -> None:
         self.assembly = assembly
         self.free = np.setdiff1d(np.arange(assembly.size), assembly.held)
         self.mass = _with_striker(self._matrix(assembly.mass_times), striker_mass)
         unit = np.zeros((assembly.size, 1))
-        unit[dof] = sign
+        unit[dof] = 1.0
         self.normals = np.vstack([unit[self.free], [[-1.0]]])
         self.start = np.append(assembly.displacement[self.free], 0.0)
         self._dissipated = 0.0
 
     def _matrix(self, product) -> Array:  # type: ignore[no-untyped-def]
-        columns = []
-        for dof in self.free:
-            unit = np.zeros(self.assembly.size)
-            unit[dof] = 1.0
-            columns.append(product(unit)[self.free])
-        return np.array(columns).T
+        units = np.eye(self.assembly.size)[self.free]
+        return np.array([product(unit)[self.free] for unit in units]).T
 
     def _all(self, q: Array) -> Array:
         x = self.assembly.displacement.copy()

@@ -26,7 +26,7 @@ from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
 from workbench.sections.shapes import ISection
 from workbench.structures.fibers import PATTERNS, BeamSection, section_fibers
 from workbench.structures.fibers.beams import ReissnerBeams
-from workbench.structures.fibers.laws import (
+from workbench.structures.fibers.section import (
     MILD_STEEL,
     CowperSymonds,
     LinearHardening,

@@ -13,7 +13,7 @@ from workbench.references.fiber_mesh import SHEAR_RULE, MeshRule
 from workbench.references.fiber_reissner import ExactBeams
 from workbench.responses import Finding, finding
 from workbench.scenarios import ColumnScenario, FrameScenario, MemberPulse
-from workbench.structures.fibers.laws import ShearYielding
+from workbench.structures.fibers.section import ShearYielding
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ See docs/theory/numerical-uncertainty.md.
 """
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any, NamedTuple
 
@@ -19,6 +19,7 @@ from workbench.responses import (
     Finding,
     Outcome,
     Response,
+    finding,
     findings_of,
     outcome_of,
     scalars_of,
@@ -157,13 +158,15 @@ class _Refinement:
             self.statements.append("one mesh only (levels = 1): numerical uncertainty unknown")
         unknown = [q for q in main if estimates[q].width is None]
         drifting = [q for q in main if _drifts(estimates[q])]
-        warned: list[str] = []
+        doubts: list[Finding] = []
         if unknown and self.levels > 1:
             reasons = dict.fromkeys(self.statements or [estimates[q].note for q in unknown])
-            without = f"numerical uncertainty of {', '.join(unknown)} is unknown"
-            warned.extend(f"{without}: {reason}" for reason in reasons)
+            names = ", ".join(unknown)
+            doubts += [finding("refinement-unknown", names=names, reason=each) for each in reasons]
         if drifting:
-            warned.append(_drift_text(drifting, response))
+            elastic = "dissipated" in response and float(response["dissipated"].max()) == 0.0
+            more = () if elastic else ("localises",)
+            doubts.append(finding("refinement-drifts", parts=more, names=", ".join(drifting)))
         widths = {q: estimates[q].width for q in quantities}
         response.attrs[WIDTHS] = json.dumps(widths, sort_keys=True)
         response.attrs[BASIS] = json.dumps(
@@ -178,12 +181,11 @@ class _Refinement:
                     for q, point in quantities.items()
                 },
                 "quadrature": "fixed by the element, no option: part of space",
-                "statements": list(dict.fromkeys([*self.statements, *warned])),
+                "statements": list(dict.fromkeys([*self.statements, *(f.text for f in doubts)])),
             },
             sort_keys=True,
         )
         attach_curves(response, self.runs)
-        doubts = [Finding("refinement", text) for text in warned]
         set_findings(response, [*doubts, *findings_of(response)])
 
     def _run(self) -> tuple[Direction, ...]:
@@ -249,20 +251,6 @@ def _drifts(known: Estimate) -> bool:
     if ladder is None or ladder.converging:
         return False
     return ladder.relative is None or ladder.relative > WELL_KNOWN
-
-
-def _drift_text(quantities: Sequence[str], response: Response) -> str:
-    """What to say of quantities of a response that the meshes do not agree on."""
-    text = (
-        f"{', '.join(quantities)}: the sequence of meshes does not converge, three times the "
-        "spread stands for the uncertainty"
-    )
-    if "dissipated" in response and float(response["dissipated"].max()) == 0.0:
-        return text
-    return (
-        f"{text}. Perfect plasticity has no length of its own, strains localise in single "
-        "elements: use a hardening_ratio for an answer that does not depend on the mesh"
-    )
 
 
 def _table(known: Estimate, values: Mapping[str, float]) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from workbench.structures.assembly import PlanarAssembly, graded_lengths
 from workbench.structures.elements import Bars, ElementGroup, Step, StepEnergies
 from workbench.structures.fibers import BeamSection
 from workbench.structures.fibers.beams import FiberBeams
-from workbench.structures.fibers.laws import LinearHardening
+from workbench.structures.fibers.section import LinearHardening
 from workbench.studs.mechanical import kernels
 from workbench.studs.mechanical.parameters import (
     DENSITY,
