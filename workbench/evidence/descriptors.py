@@ -1,6 +1,6 @@
 """Numbers that describe columns and hits before a run, and the variants of models.
 
-Regions in which models were measured, and the rules of validity there, are bounded by these.
+Cells and ranges of the error model are bounded by these.
 """
 
 import dataclasses
@@ -76,7 +76,7 @@ def beyond(values: Mapping[str, float], table: str) -> dict[str, str]:
     return texts
 
 
-FEATURES = {  # of rules of validity, and their words
+FEATURES = {  # of the error model, and their words
     **{name: WORDS[name] for name in (DEMAND, YIELDING, STRIKER)},
     "turned": "energy of the hit over the work of the mechanism per length of the shorter segment",
     "axial_over_squash": WORDS["axial_over_squash"],
@@ -89,7 +89,7 @@ FEATURES = {  # of rules of validity, and their words
 def features(
     scenario: ColumnImpact, described: Mapping[str, float] | None = None
 ) -> dict[str, float]:
-    """The numbers that rules of validity may ask for, by the names of `FEATURES`.
+    """The numbers that the error of a column may hang on, by the names of `FEATURES`.
 
     Of a scenario whose `descriptors` are known, or not yet.
 

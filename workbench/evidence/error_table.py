@@ -1,7 +1,7 @@
 """Tables of the error of the anchor: drawn scenarios of one kind, their features and cells."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import floor, inf, nan
 from typing import Any
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from workbench.arrays import Array, Indices
+from workbench.arrays import Array
 from workbench.evidence.catalogue import load
 from workbench.evidence.descriptors import DEMAND, FEATURES, STRIKER, features
 from workbench.scenarios import ColumnImpact
@@ -27,8 +27,8 @@ class ErrorTable:
 
     Arguments: `dataset` of the catalogue, a row for every scenario that the `study` draws;
     `features` of a scenario by name, as its columns have them, with their `words`; `cells`, bounds
-    of features between cells; `doubted`, the one of them that tells how well the reference is
-    known (empty: it was not measured); names of `anchor` and `reference`.
+    of features between cells; `doubted`, those between which the finest reference judged the
+    reference (empty: it did not); names of `anchor` and `reference`.
     """
 
     kind: str
@@ -37,7 +37,7 @@ class ErrorTable:
     features: Callable[[Any], dict[str, float]]
     words: Mapping[str, str]
     cells: Mapping[str, tuple[float, ...]]
-    doubted: str = ""
+    doubted: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     anchor: str = ANCHOR
     reference: str = REFERENCE
 
@@ -53,17 +53,13 @@ class ErrorTable:
 
     def truths(self, values: Mapping[str, float]) -> Array:
         """Sorted ln(truth / anchor) in the cell of a scenario with such features."""
-        inside = self._cell_of(self.rows) == self._cell_of(values)
-        return np.sort(self.ratios[inside & ~np.isnan(self.ratios)])
+        return _alike(self.ratios, self.rows, values, self.cells)
 
     def doubts(self, values: Mapping[str, float]) -> Array:
-        """Sorted ln(finest / reference) by the bounds of the doubted feature, empty if few."""
-        if not self.doubted or FINEST not in self.rows:
+        """Sorted ln(finest / reference) of such columns, empty where they are few."""
+        if not self.doubted:
             return np.empty(0)
-        bounds, ratios = self.cells[self.doubted], self._against(FINEST)
-        among = np.searchsorted(bounds, self.rows[self.doubted], "right")
-        inside = among == np.searchsorted(bounds, values[self.doubted], "right")
-        known = np.sort(ratios[inside & ~np.isnan(ratios)])
+        known = _alike(self._against(FINEST), self.rows, values, self.doubted)
         return known if len(known) >= FEWEST else known[:0]
 
     def cell(self, values: Mapping[str, float]) -> str:
@@ -107,14 +103,6 @@ class ErrorTable:
             ratios = np.log(self.rows[name].to_numpy(float) / self.rows[TRUTH].to_numpy(float))
         return np.where(np.isfinite(ratios), ratios, nan)
 
-    def _cell_of(self, values: Any) -> Indices:
-        """Number of the cell of features, of one scenario or of rows (n,)."""
-        number = np.int64(0)
-        for name, bounds in self.cells.items():
-            place = np.searchsorted(bounds, values[name], "right")
-            number = number * (len(bounds) + 1) + place
-        return np.asarray(number)
-
     @cached_property
     def _points(self) -> Array:
         return self._scaled(self.rows)
@@ -126,6 +114,17 @@ class ErrorTable:
             scale = np.log if self.rows[name].min() > 0.0 else np.arcsinh
             columns.append(scale(values[name]))
         return np.column_stack(columns) if np.ndim(columns[0]) else np.array(columns)
+
+
+def _alike(
+    ratios: Array, rows: Any, values: Mapping[str, float], cells: Mapping[str, tuple[float, ...]]
+) -> Array:
+    """Sorted ratios (n,), where known, of the rows that lie in the cell of a scenario."""
+    inside = ~np.isnan(ratios)
+    for name, bounds in cells.items():
+        here = np.searchsorted(bounds, values[name], "right")
+        inside &= np.searchsorted(bounds, rows[name], "right") == here
+    return np.sort(ratios[inside])
 
 
 def ends_of(count: int) -> tuple[int, int]:
@@ -141,6 +140,6 @@ COLUMNS = ErrorTable(
     features=features,
     words=FEATURES,
     cells={STRIKER: (0.6, 5.0), DEMAND: (0.5, 1.0)},
-    doubted=DEMAND,
+    doubted={STRIKER: (0.6,), DEMAND: (0.5, 1.0)},
 )
 TABLES = {table.kind: table for table in (COLUMNS,)}
