@@ -1,6 +1,8 @@
-"""Resistance of the column at its hit point: analytic, two simplifications, panels."""
+"""Resistance of the column at its hit point: analytic, two simplifications, panels, given."""
 
 from workbench.models.resistance.curve import ResistanceCurve as ResistanceCurve
+from workbench.models.resistance.given import OnCurve as OnCurve
+from workbench.models.resistance.given import Resistance as Resistance
 from workbench.models.resistance.mechanism import INTERACTIONS as INTERACTIONS
 from workbench.models.resistance.mechanism import SECTION as SECTION
 from workbench.models.resistance.mechanism import Mechanism as Mechanism
