@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from builders import examples
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.errors import InputError
@@ -155,7 +154,7 @@ def test_full_shear_leaves_the_flanges() -> None:
 
 
 @given(name=names, seed=st.integers(0, 10_000))
-@examples(100)
+@settings(max_examples=60)
 def test_the_domain_is_convex(name: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
     points = inside(SURFACES[name], rng, 40)
@@ -163,7 +162,7 @@ def test_the_domain_is_convex(name: str, seed: int) -> None:
 
 
 @given(name=names, trial=trials, seed=st.integers(0, 10_000))
-@examples(250)
+@settings(max_examples=150)
 def test_the_projection_is_the_nearest_admissible_point(name, trial, seed) -> None:
     surface = SURFACES[name]
     start = np.array(trial[:4]) * 10.0 ** trial[4] * strengths(surface)
@@ -188,7 +187,7 @@ def differences(solve, at: np.ndarray, steps: np.ndarray) -> np.ndarray:
 
 
 @given(trial=trials)
-@examples(150)
+@settings(max_examples=80)
 def test_tangent_against_differences(trial) -> None:
     start = np.array(trial[:4]) * 10.0 ** trial[4] * strengths(HEB)
     _, tangent = project_panel(HEB, STIFFNESS, start)
@@ -271,7 +270,7 @@ RIGID = (1.0 / STIFFNESS[0], 1.0 / STIFFNESS[2], 0.0, 1.0 / STIFFNESS[3])
 @pytest.mark.parametrize("flexibility", [FLEXIBLE, RIGID], ids=["flexible", "rigid"])
 @pytest.mark.parametrize("pinned", [(False, False), (True, False), (False, True)])
 @given(name=st.sampled_from(["HEB 220", "square"]), trial=trials, seed=st.integers(0, 10_000))
-@examples(80)
+@settings(max_examples=40)
 def test_elements_are_the_nearest_admissible_state_in_equilibrium(
     flexibility, pinned, name, trial, seed
 ) -> None:

@@ -16,7 +16,6 @@ from workbench.evidence.catalogue import DATA
 from workbench.evidence.descriptors import DEMAND, features
 from workbench.evidence.error_model import ExpectedError, anchor_error, expected_error
 from workbench.evidence.error_table import ANCHOR, FINEST, REFERENCE, TABLES
-from workbench.evidence.measured import pulse_findings
 from workbench.frames.runs import LARGEST_SHEAR_STRAIN
 from workbench.models.base import Model
 from workbench.registry import make_model
@@ -29,7 +28,7 @@ from workbench.responses import (
     set_findings,
     survives,
 )
-from workbench.scenarios import ColumnImpact, MemberPulse
+from workbench.scenarios import ColumnImpact
 
 ORDER = (ANCHOR, REFERENCE, FINEST)
 CLOSE = "close-to-collapse"  # subject
@@ -94,8 +93,6 @@ def _advised(
     model: Model, scenario: Any, response: Response
 ) -> tuple[list[Finding], ExpectedError]:
     error, findings = expected(model, scenario, response), findings_of(response)
-    if isinstance(scenario, MemberPulse):
-        findings += pulse_findings(model, scenario.load, response)
     if survives(response) is not None:
         findings = judged(model, scenario, error, findings)
     return with_remedies(model, scenario, findings), error

@@ -15,15 +15,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from workbench.arrays import Array
+from workbench.errors import OutOfDomainError
 from workbench.evidence.error_table import ANCHOR, FINEST, TABLES, ends_of
 from workbench.models.base import options_of
 from workbench.registry import make_model
 from workbench.responses import Response, survives
+from workbench.scenarios import MemberPulse
 
 BEYOND = 0.10  # an error of the peak that matters
 WARNED = 0.10  # chance of it from which an answer is warned of
-FASTER, GROWS = 1.05, 0.13  # close to collapse: the peak grows more at so much of the velocity
-PEAK = "peak_displacement"
+FASTER = 1.05  # times the velocity or force, to see whether a collapse is near
+PEAK, RESIDUAL = "peak_displacement", "residual_displacement"
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +36,7 @@ class ExpectedError:
     90 %; `chance` of an error beyond 10 %, or that the structure does what the answer denies;
     `collapse`, chance that it collapses; `near_collapse`, whether the anchor nearly does; `cell`
     in which this was measured on `count` scenarios; `reason`, why there is no interval (empty:
-    there is one).
+    there is one); `residual`, ends (m) of 90 % for the true residual displacement, if known.
     """
 
     anchor: str
@@ -47,6 +49,7 @@ class ExpectedError:
     cell: str = ""
     count: int = 0
     reason: str = ""
+    residual: tuple[float, float] | None = None
 
     @property
     def warns(self) -> bool:
@@ -84,7 +87,8 @@ def expected_error(scenario: Any, response: Response) -> ExpectedError:
     """
     name, peak = response.attrs["model"], _peak(response)
     own = scenario.KIND in TABLES and _is_anchor(response, TABLES[scenario.KIND].anchor)
-    return _error(scenario, name, peak, peak if own else None)
+    error = _error(scenario, name, peak, peak if own else None)
+    return replace(error, residual=residual_ends(scenario, response))
 
 
 def anchor_error(scenario: Any) -> ExpectedError:
@@ -109,7 +113,7 @@ def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> Exp
     if ratio.reason:
         return known
     fallen = table.collapses(isinf(anchor))
-    near = not isinf(anchor) and anchor_peak(_faster(scenario)) > (1.0 + GROWS) * anchor
+    near = not isinf(anchor) and anchor_peak(_faster(scenario)) > (1.0 + table.grows) * anchor
     known = replace(known, collapse=fallen, near_collapse=near)
     if isinf(answer) or isinf(anchor):
         reason = "the anchor collapses" if isinf(anchor) else "the anchor survives"
@@ -132,7 +136,10 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     Of a kind in `TABLES`; with what the finest reference says of the reference.
     """
     table = TABLES[scenario.KIND]
-    values = table.features(scenario)
+    try:
+        values = table.features(scenario)
+    except OutOfDomainError as error:
+        return TruthRatio(np.empty(0), reason=f"not measured here: {error}")
     reason = table.unknown(values)
     if reason:
         return TruthRatio(np.empty(0), reason=reason)
@@ -153,10 +160,38 @@ def widened(values: Array, doubts: Array) -> Array:
     return middle + np.median(doubts) + grown
 
 
-@lru_cache(maxsize=256)
 def anchor_peak(scenario: Any) -> float:
     """Peak displacement of the anchor in m; infinite if it collapses, NaN if it has none."""
-    return _peak(make_model(TABLES[scenario.KIND].anchor).simulate(scenario))
+    return _anchor(scenario)[0]
+
+
+@lru_cache(maxsize=256)
+def _anchor(scenario: Any) -> tuple[float, float]:
+    """Peak and residual displacement of the anchor in m, NaN where it has none."""
+    return _numbers(make_model(TABLES[scenario.KIND].anchor).simulate(scenario))
+
+
+def residual_ends(scenario: Any, response: Response) -> tuple[float, float] | None:
+    """Ends (m) of 90 % for the true residual displacement; None where that is not known.
+
+    The difference to that of the anchor was measured in parts of its peak. Where `response` is the
+    answer of the anchor it is not run again.
+    """
+    table = TABLES.get(scenario.KIND)
+    if table is None or truth_ratio(scenario).reason:
+        return None
+    own = _is_anchor(response, table.anchor)
+    peak, residual = _numbers(response) if own else _anchor(scenario)
+    parts = table.residuals(table.features(scenario))
+    if isnan(residual) or not len(parts):
+        return None
+    low, high = ends_of(len(parts))
+    return residual + float(parts[low]) * peak, residual + float(parts[high]) * peak
+
+
+def _numbers(response: Response) -> tuple[float, float]:
+    stands = survives(response) and RESIDUAL in response
+    return _peak(response), float(response[RESIDUAL]) if stands else nan
 
 
 def _peak(response: Response) -> float:
@@ -174,4 +209,7 @@ def _is_anchor(response: Response, anchor: str) -> bool:
 
 
 def _faster(scenario: Any) -> Any:
+    if isinstance(scenario, MemberPulse):
+        peak = FASTER * scenario.pulse.peak
+        return replace(scenario, pulse=replace(scenario.pulse, peak=peak))
     return scenario.at_velocity(FASTER * scenario.striker.velocity)

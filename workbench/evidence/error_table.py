@@ -12,7 +12,13 @@ import pandas as pd
 from workbench.arrays import Array
 from workbench.evidence.catalogue import load
 from workbench.evidence.descriptors import DEMAND, FEATURES, STRIKER, features
-from workbench.scenarios import ColumnImpact
+from workbench.evidence.pulses_and_frames import (
+    LOADED,
+    PULSE_FEATURES,
+    frame_features,
+    pulse_features,
+)
+from workbench.scenarios import ColumnImpact, FrameImpact, MemberPulse
 
 ANCHOR, REFERENCE, FINEST = "flexible-superelement", "fiber-shear", "solid-plane-stress"
 COVERAGE = 0.90  # share of truths inside an interval
@@ -28,7 +34,8 @@ class ErrorTable:
     Arguments: `dataset` of the catalogue, a row for every scenario that the `study` draws;
     `features` of a scenario by name, as its columns have them, with their `words`; `cells`, bounds
     of features between cells; `doubted`, those between which the finest reference judged the
-    reference (empty: it did not); names of `anchor` and `reference`.
+    reference (empty: it did not); share by which the peak of an anchor `grows`, at 1.05 of the
+    load, that is close to collapse; names of `anchor` and `reference`.
     """
 
     kind: str
@@ -38,6 +45,7 @@ class ErrorTable:
     words: Mapping[str, str]
     cells: Mapping[str, tuple[float, ...]]
     doubted: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    grows: float = 0.13
     anchor: str = ANCHOR
     reference: str = REFERENCE
 
@@ -54,6 +62,14 @@ class ErrorTable:
     def truths(self, values: Mapping[str, float]) -> Array:
         """Sorted ln(truth / anchor) in the cell of a scenario with such features."""
         return _alike(self.ratios, self.rows, values, self.cells)
+
+    def residuals(self, values: Mapping[str, float]) -> Array:
+        """Sorted differences of residuals, truth less anchor, over the peak of the anchor."""
+        if "anchor_residual" not in self.rows:
+            return np.empty(0)
+        change = self.rows["reference_residual"] - self.rows["anchor_residual"]
+        parts = (change / self.rows[self.anchor]).to_numpy(float)
+        return _alike(parts + 0.0 * self.ratios, self.rows, values, self.cells)
 
     def doubts(self, values: Mapping[str, float]) -> Array:
         """Sorted ln(finest / reference) of such columns, empty where they are few."""
@@ -142,4 +158,21 @@ COLUMNS = ErrorTable(
     cells={STRIKER: (0.6, 5.0), DEMAND: (0.5, 1.0)},
     doubted={STRIKER: (0.6,), DEMAND: (0.5, 1.0)},
 )
-TABLES = {table.kind: table for table in (COLUMNS,)}
+PULSES = ErrorTable(
+    kind=MemberPulse.KIND,
+    dataset="pulses",
+    study="drawn_pulses",
+    features=pulse_features,
+    words=PULSE_FEATURES,
+    cells={LOADED: (0.5,)},
+    grows=0.25,
+)
+FRAMES = ErrorTable(
+    kind=FrameImpact.KIND,
+    dataset="frames",
+    study="drawn_frames",
+    features=frame_features,
+    words=FEATURES,
+    cells={STRIKER: (1.0,)},
+)
+TABLES = {table.kind: table for table in (COLUMNS, PULSES)}

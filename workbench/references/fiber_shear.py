@@ -13,6 +13,7 @@ from workbench.references.fiber_mesh import SHEAR_RULE, MeshRule
 from workbench.references.fiber_reissner import ExactBeams
 from workbench.responses import Finding, finding
 from workbench.scenarios import ColumnScenario, FrameScenario, MemberPulse
+from workbench.scenarios.pulse import UNIFORM
 from workbench.structures.fibers.section import ShearYielding
 
 
@@ -46,12 +47,16 @@ class FiberShear(ExactBeams):
         return keys if self.residual_stress == "none" else (*keys, "eccs1984")
 
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
-        """As all; and pulses that webs decide, which are those between the flanges here."""
+        """As all; and pulses that webs decide, which are those between the flanges here.
+
+        At the ends of a line load all webs that yield slide alike, see docs/theory/shear-panel.md.
+        """
         findings = super().domain(scenario)
-        known = {each.subject for each in findings}
-        if isinstance(scenario, MemberPulse) and DIRECT_SHEAR not in known:
+        if isinstance(scenario, MemberPulse):
+            if scenario.load == UNIFORM:
+                findings = [each for each in findings if each.subject != DIRECT_SHEAR]
             needed = max(shear_demand(scenario).values())
-            if needed > 1.0:
+            if needed > 1.0 and all(each.subject != DIRECT_SHEAR for each in findings):
                 findings.append(finding("clear-web", needed, needed=needed))
         return findings
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from workbench.errors import InputError
 from workbench.evidence.descriptors import variant_of
-from workbench.evidence.error_model import PEAK
+from workbench.evidence.error_model import PEAK, RESIDUAL
 from workbench.evidence.error_table import FINEST, TRUTH, ErrorTable
 from workbench.responses import Response, findings_of, outcome_of, survives
 from workbench.scenarios import canonical
@@ -26,15 +26,16 @@ DIGITS = 7
 def error_rows(study: Study, table: ErrorTable, root: Path) -> Iterator[Row]:
     """A row for every case: inputs, features, the reference and how it ended, peaks of all models.
 
-    Peaks are in m, infinite where the structure collapses, None without an answer; that of the
-    finest reference, too, only where it does not warn of itself. Raises `InputError` for a study
-    without the anchor or the reference.
+    And residual displacements of reference and anchor. All are in m; peaks infinite where the
+    structure collapses, None without an answer; that of the finest reference, too, only where it
+    does not warn of itself. Raises `InputError` for a study without the anchor or the reference.
     """
     names = {label: _name_of(study, label) for label in study.models}
     others = [label for label in names if label != study.reference]
     if names[study.reference] != table.reference or table.anchor not in names.values():
         needed = f"must be of the reference {table.reference} and ask {table.anchor}"
         raise InputError("study", study.name, needed)
+    anchor = next(label for label, name in names.items() if name == table.anchor)
     store = Store(Path(root) / study.name)
     cells = {(cell.case, cell.label): cell for cell in cells_of(study)}
     version = {name: study.models[label].version for label, name in names.items()}
@@ -60,6 +61,10 @@ def error_rows(study: Study, table: ErrorTable, root: Path) -> Iterator[Row]:
             "anchor_version": version[table.anchor],
             "reference_state": _state(reference),
             TRUTH: _peak(reference, judges=True),
+            **{
+                f"{name}_residual": _residual(answers.get(label))
+                for name, label in (("reference", study.reference), ("anchor", anchor))
+            },
             **peaks,
         }
 
@@ -106,6 +111,12 @@ def _peak(response: Response | None, *, judges: bool) -> float | None:
     if alive is None or (alive and PEAK not in response):
         return None
     return _rounded(float(response[PEAK])) if alive else inf
+
+
+def _residual(response: Response | None) -> float | None:
+    if response is None or not survives(response) or RESIDUAL not in response:
+        return None
+    return float(_rounded(float(response[RESIDUAL])))
 
 
 def _rounded(value: Any) -> Any:

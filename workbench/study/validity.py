@@ -17,7 +17,7 @@ from workbench.arrays import Array, Indices
 from workbench.assessment.bias import Leaf, grow, impurity
 from workbench.assessment.budget import PEAK
 from workbench.evidence.descriptors import FEATURES, features, region_of, variant_of
-from workbench.evidence.measured import BEYOND
+from workbench.evidence.error_model import BEYOND
 from workbench.responses import Outcome
 from workbench.scenarios import ColumnImpact
 from workbench.study.definition import Study

@@ -1,8 +1,6 @@
-"""Resistance of the column at its hit point: analytic, two simplifications, panels, given."""
+"""Resistance of the column at its hit point: analytic, two simplifications, panels."""
 
 from workbench.models.resistance.curve import ResistanceCurve as ResistanceCurve
-from workbench.models.resistance.given import OnCurve as OnCurve
-from workbench.models.resistance.given import Resistance as Resistance
 from workbench.models.resistance.mechanism import INTERACTIONS as INTERACTIONS
 from workbench.models.resistance.mechanism import SECTION as SECTION
 from workbench.models.resistance.mechanism import Mechanism as Mechanism

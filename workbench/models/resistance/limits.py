@@ -8,11 +8,10 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, OutOfDomainError
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
-from workbench.models.domain import buckling_findings, member_findings
+from workbench.models.domain import member_findings
 from workbench.models.four_dof import FourDofShear
 from workbench.models.resistance.curve import ResistanceCurve
-from workbench.models.resistance.given import GIVEN
-from workbench.models.resistance.panel import PANEL, SHAPES
+from workbench.models.resistance.panel import PANEL
 from workbench.models.resistance.shapes import resistance_curve
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnPushover, ColumnScenario, MemberPulse
@@ -28,23 +27,17 @@ def reach(column: Column) -> float:
 
 
 def limit_of(curve: ResistanceCurve, column: Column) -> float:
-    """Displacement (m) at which the column has collapsed, or its `curve` ends."""
-    return min(reach(column), curve.lost_at, curve.end)
+    """Displacement (m) at which the column on its resistance `curve` has collapsed."""
+    return min(reach(column), curve.lost_at)
 
 
 def collapsed(
     curve: ResistanceCurve, column: Column, displacement: float, time: float | None = None
-) -> CollapseError | OutOfDomainError:
+) -> CollapseError:
     """How a column collapses that has come to the limit of its resistance `curve`.
 
     Arguments: the `displacement` (m) that it has reached, at a `time` (s; None: not known).
-    No collapse is the end of a curve that was given.
     """
-    if curve.end * (1.0 + 1e-9) < min(curve.lost_at, reach(column)):
-        return OutOfDomainError(
-            f"the resistance curve that is given ends at {curve.end:.4g} m, the column goes on: "
-            "give points beyond"
-        )
     if curve.lost_at <= reach(column):
         collapse = Collapse(Mechanism.BUCKLING, SEGMENTS, displacement, time)
         return CollapseError(collapse, "the column has lost its resistance to the axial load")
@@ -61,12 +54,10 @@ def out_of_reach(column: Column, displacement: float, time: float | None = None)
 def curve_findings(scenario: ColumnScenario, shape: str) -> list[Finding]:
     """Findings of all member models, and those of every model on a resistance curve.
 
-    Of the shape of panels those of the four-DOF column with them; a curve that is given may know
-    shear, so that no bound of it is told.
+    Of the shape of panels those of the four-DOF column with them.
     Warning: a head mass, which a pulse moves here without. Refusal: a push beyond their reach.
     """
     domain = FourDofShear().domain if shape == PANEL else member_findings
-    domain = domain if shape in SHAPES else buckling_findings
     findings = list(domain(scenario))
     column = scenario.column
     if column.head_mass > 0.0 and isinstance(scenario, MemberPulse):
@@ -95,9 +86,9 @@ def reached(
 def _analytic_companion(curve: ResistanceCurve) -> ResistanceCurve | None:
     """The analytic curve of the same mechanism (None where its derivation does not hold).
 
-    The curve of panels, and one that is given, simplify no other one.
+    The curve of panels simplifies no other one.
     """
-    if curve.shape in ("analytic", PANEL, GIVEN):
+    if curve.shape in ("analytic", PANEL):
         return curve if curve.knows_moments else None
     try:
         return resistance_curve(curve.mechanism, "analytic")
@@ -115,7 +106,7 @@ def _reached_findings(
     """
     findings = []
     rotation = displacement / min(curve.mechanism.lengths)
-    if rotation > _ROTATION and curve.shape not in (PANEL, GIVEN):
+    if rotation > _ROTATION and curve.shape != PANEL:
         findings.append(finding("small-rotations", rotation=rotation, displacement=displacement))
     if companion is not None and companion is not curve and displacement > 0.0:
         exact = float(companion.work(displacement))

@@ -15,8 +15,8 @@ from scipy.optimize import brentq
 from workbench.errors import OutOfDomainError, SolverError
 from workbench.hinges import ShearSurface
 from workbench.models.four_dof import FourDofShear
-from workbench.models.resistance.curve import ResistanceCurve, straight_pieces
-from workbench.models.resistance.given import given_curve
+from workbench.models.resistance.curve import ResistanceCurve
+from workbench.models.resistance.kernels import PIECE
 from workbench.models.resistance.mechanism import SECTION, Mechanism, mechanism_of
 from workbench.models.resistance.shapes import RESISTANCES, resistance_curve
 from workbench.scenarios import Column, ColumnPushover
@@ -80,7 +80,13 @@ def panel_curve(
     )
     at = np.concatenate([[0.0], at])
     f = np.interp(at, v, force)
-    return ResistanceCurve("panel", mechanism, straight_pieces(at, f), limit)
+    pieces = np.zeros(len(at) - 1, PIECE)
+    pieces["start"], pieces["c"][:, 0], pieces["c"][:, 1] = (
+        at[:-1],
+        f[:-1],
+        np.diff(f) / np.diff(at),
+    )
+    return ResistanceCurve("panel", mechanism, pieces, limit)
 
 
 @lru_cache(maxsize=256)
@@ -90,18 +96,13 @@ def column_curve(
     shape: str,
     interaction: str = SECTION,
     uniform: bool = False,
-    data: str = "",
 ) -> ResistanceCurve:
     """Resistance of a column at its hit point, by the name of its shape; kept for the next strike.
 
-    To a force there, or to half of a `uniform` load, which does the same work on rigid bars. Of a
-    curve that is given `data` is the digest of its points, so that it is not kept for others.
-    Raises `OutOfDomainError`, see `mechanism_of`, `resistance_curve` and `panel_curve`, and
-    `InputError` of a file, see `given_curve`.
+    To a force there, or to half of a `uniform` load, which does the same work on rigid bars.
+    Raises `OutOfDomainError`, see `mechanism_of`, `resistance_curve` and `panel_curve`.
     """
     mechanism = mechanism_of(column, rotational_stiffness, interaction, uniform)
-    if data:
-        return given_curve(mechanism, shape)
     if shape == PANEL:
         return panel_curve(column, mechanism, rotational_stiffness)
     return resistance_curve(mechanism, shape)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.errors import CollapseError, OutOfDomainError
+from workbench.errors import CollapseError
 from workbench.impact.pace import Pace
 from workbench.impact.records import follow
 from workbench.models.practice.deflected_shape import beam_of
@@ -129,11 +129,9 @@ def pulse_findings(scenario: MemberPulse, pushed: Pushed, top: float) -> list[Fi
     try:
         _, values = push(pushed, scenario.column, stronger, scenario.duration)
         growth = float(values["displacement"].max()) / top - 1.0
-    except (CollapseError, OutOfDomainError) as error:  # or the end of a curve that is given
-        growth, collapses = np.inf, isinstance(error, CollapseError)
+    except CollapseError:
+        growth = np.inf
     if growth > _MUCH:
-        further = f"{100.0 * growth:.0f} % further"
-        if growth == np.inf:
-            further = "to collapse" if collapses else "beyond the points of the resistance"
+        further = "to collapse" if growth == np.inf else f"{100.0 * growth:.0f} % further"
         findings.append(finding("sensitive", min(growth, 1e3), further=further))
     return findings

@@ -8,7 +8,7 @@ from workbench.content.formatting import title_of
 from workbench.content.page import Page
 from workbench.content.tree import Block, Section
 from workbench.evidence.descriptors import command_of
-from workbench.evidence.measured import BEYOND
+from workbench.evidence.error_model import BEYOND
 from workbench.report.chapters.configuration import hit_distance
 from workbench.report.stored import Stored
 from workbench.study.definition import Study

@@ -1,0 +1,145 @@
+"""How far models of frames are off under impact, on portals and small frames drawn at random.
+
+One or two storeys of one or two bays, rolled columns and tubes of five steels, clamped or pinned
+bases, rigid or pinned beams, with and without dead loads; a striker hits a column between its
+joints, mostly of the ground floor, with the energy to push its mechanism, or that of the frame if
+that is weaker, some hundredths to half of the shorter segment. The reference is the frame of fibers
+whose webs yield. The peaks are the data of the error model.
+"""
+
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from math import exp, log
+
+import numpy as np
+
+from workbench.cli import main
+from workbench.frames.collapse_load import collapse_factor
+from workbench.frames.column_estimate import column_like
+from workbench.frames.elastic import dead_load_state
+from workbench.materials import Steel
+from workbench.models.column_of_frame import ColumnOfFrame
+from workbench.models.domain import shear_demand
+from workbench.models.hinged_frames import PlasticHinge
+from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
+from workbench.references.fiber_reissner import FiberReissner
+from workbench.references.fiber_shear import FiberShear
+from workbench.scenarios import Frame, FrameImpact, FrameStriker, Load, regular_frame
+from workbench.sections import find, rectangular_tube
+from workbench.study import Case, Figure, Study
+
+SEED, FRAMES, QUICK = 29, 100, 6
+BEAMS_OF_FIBERS = 10  # every so many frames have them
+REFERENCE, FIBERS = "web-yielding frame", "fiber frame"
+FLEXIBLE, RIGID = "flexible superelements", "rigid superelements"
+models = {
+    REFERENCE: FiberShear(levels=1),
+    FIBERS: FiberReissner(levels=1),
+    FLEXIBLE: FlexibleSuperelement(),
+    RIGID: RigidSuperelement(),
+    "plastic hinge": PlasticHinge(),
+    "column of the frame": ColumnOfFrame(),
+}
+COLUMNS = (
+    *(find(name) for name in ("HEA 160", "HEA 200", "HEA 260", "HEB 160", "HEB 220", "HEB 300")),
+    *(find(name) for name in ("IPE 240", "IPE 330", "IPE 450")),
+    rectangular_tube(0.2, 0.2, 0.01),
+)
+BEAMS = tuple(find(name) for name in ("IPE 200", "IPE 270", "IPE 330", "IPE 400", "HEA 220"))
+STEELS = (355e6, 355e6, 235e6, 275e6, 460e6)  # yield stress, Pa
+HEAVIEST, LEAST = 6e4, 0.3  # striker: kg, and over the lumped mass of the column
+GRAVITY = 9.81
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.4g}")
+
+
+def drawn_frame(rng: np.random.Generator) -> Frame:
+    """A frame, dead loads and masses on every joint above the ground."""
+    section, beam = COLUMNS[rng.integers(len(COLUMNS))], BEAMS[rng.integers(len(BEAMS))]
+    steel = Steel(yield_stress=STEELS[rng.integers(len(STEELS))])
+    bays = [_rounded(rng.uniform(3.5, 7.0)) for _ in range(1 + (rng.random() < 0.4))]
+    storeys = [_rounded(rng.uniform(2.8, 4.5)) for _ in range(1 + (rng.random() < 0.4))]
+    joint = "pinned" if rng.random() < 0.15 else "rigid"
+    base = "pinned" if joint == "rigid" and rng.random() < 0.25 else "clamped"
+    frame = regular_frame(bays, storeys, section, beam, base, steel, beam_joint=joint)
+    share = 0.0 if rng.random() < 0.25 else rng.uniform(0.02, 0.25) / len(storeys)
+    load, part = share * steel.yield_stress * section.area, rng.uniform(0.3, 1.2)
+    if not load:
+        return frame
+    joints = [node.name for node in frame.nodes if node.y > 0.0]
+    mass = _rounded(part * load / GRAVITY)
+    nodes = tuple(replace(n, mass=mass) if n.name in joints else n for n in frame.nodes)
+    loads = tuple(Load(name, y=-_rounded(load)) for name in joints)
+    return replace(frame, nodes=nodes, loads=loads)
+
+
+def drawn(number: int, rng: np.random.Generator) -> FrameImpact | None:
+    """A hit on a frame; None on one that hardly carries its dead loads."""
+    frame = drawn_frame(rng)
+    storeys = sorted({node.y for node in frame.nodes})
+    axis = "ABC"[rng.integers(len({node.x for node in frame.nodes}))]
+    level = int(len(storeys) > 2 and rng.random() < 0.2)
+    height = storeys[level + 1] - storeys[level]
+    member = frame.member(f"{axis}{level}-{axis}{level + 1}")
+    least = max(0.15, 1.8 * member.section.height / height)
+    at = _rounded(rng.uniform(least, 1.0 - least) * height)
+    speed, reach = exp(rng.uniform(log(1.5), log(25.0))), exp(rng.uniform(log(0.01), log(0.5)))
+    bounce = 0.0 if rng.random() < 0.7 else _rounded(rng.random())
+    hit = frame.split(member.name, at, "hit")
+    if hit.loads and (dead_load_state(hit).factor or 0.0) < 2.0:
+        return None
+    strength = collapse_factor(hit, [Load("hit", x=1.0)], hit.loads)
+    column = column_like(FrameImpact("unit", hit, FrameStriker(1.0, 1.0, node="hit"), 1.0))
+    if column is None or strength is None:
+        return None
+    properties = column.column.properties
+    sheared = sum(min(each, 1.0) for each in shear_demand(column).values())
+    resistance = min(strength, sheared * properties.shear_resistance)
+    mass = 2.0 * resistance * reach * min(at, height - at) / speed**2
+    mass = min(max(mass, LEAST * properties.impact_mass), HEAVIEST)
+    lasts = 2.5 * mass * speed / resistance + 0.06  # 2.5 times what a constant force takes
+    struck = FrameStriker(_rounded(mass), _rounded(speed), bounce, node="hit")
+    shape = f"{len({n.x for n in frame.nodes}) - 1} x {len(storeys) - 1}"
+    name = f"{number:03d} {member.section.name}, {shape}, {axis}{level} at {at / height:.2f}, "
+    name += f"{mass:.0f} kg, {speed:.1f} m/s"
+    return FrameImpact(name, hit, struck, _rounded(lasts))
+
+
+def drawn_hits(seed: int, count: int) -> Iterator[FrameImpact]:
+    """Hits on frames, the same of a seed however many."""
+    rng, number = np.random.default_rng(seed), 0
+    while number < count:
+        impact = drawn(number, rng)
+        if impact is not None:
+            yield impact
+            number += 1
+
+
+def case_of(number: int, scenario: FrameImpact) -> Case:
+    """The case of a drawn frame: its name and the references that it has."""
+    asked = tuple(n for n in models if n != FIBERS or number % BEAMS_OF_FIBERS == 0)
+    return Case(scenario.name, scenario, models=asked, quick=number < QUICK)
+
+
+cases = tuple(case_of(*pair) for pair in enumerate(drawn_hits(SEED, FRAMES)))
+study = Study(
+    name="drawn_frames",
+    title="Frames under impact: models of frames on drawn ones",
+    question="How far are models of frames off under impact, and where?",
+    cases=cases,
+    models=models,
+    reference=REFERENCE,
+    references=(REFERENCE, FIBERS),
+    quantities=("peak_displacement", "residual_displacement", "peak_force"),
+    figures=(
+        Figure("structure", "structure", "The frames", "One of them."),
+        Figure("peaks", "peaks", "Peaks of every model against the web-yielding frame", "By case."),
+    ),
+    decisive="peaks",
+)
+
+if __name__ == "__main__":
+    main(["run", __file__, *sys.argv[1:]])
