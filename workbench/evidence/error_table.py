@@ -23,7 +23,7 @@ from workbench.scenarios import ColumnImpact, FrameImpact, MemberPulse
 ANCHOR, REFERENCE, FINEST = "flexible-superelement", "fiber-shear", "solid-plane-stress"
 COVERAGE = 0.90  # share of truths inside an interval
 MARGIN, NEAREST = 0.05, 20  # of the range of a feature that nobody drew; neighbours with a truth
-FEWEST = 10  # drawn scenarios from which the error of the reference is known
+FEWEST = 8  # drawn scenarios from which the error of the reference is known
 TRUTH = "reference_peak"  # column of the table, in m; infinite: a collapse, empty: none
 
 
