@@ -104,7 +104,7 @@ def test_some_tables_for_other_verbs(
 
 
 def test_some_small_tables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    answered, refused = check(range(12), RESIDUAL, tmp_path / "lab.csv", capsys)
+    answered, refused = check(range(8), RESIDUAL, tmp_path / "lab.csv", capsys)
     assert answered
     assert refused
 
