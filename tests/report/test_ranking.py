@@ -7,6 +7,11 @@ from types import SimpleNamespace
 from workbench.content.terminal import render_text
 from workbench.models.single_dof import SingleDof
 from workbench.report.chapters import choice
+from workbench.report.drawing.sheet import Request
+from workbench.report.drawing.style import Look
+from workbench.report.figures import draw
+from workbench.study import Figure
+from workbench.study.chooser import CORRECTED, SURE
 
 FIRST = {
     **{"group": "slow", "label": "panels", "asked": 64, "judged": 60, "within": 50},
@@ -33,17 +38,56 @@ def test_it_says_what_to_take_what_to_expect_and_what_is_not_surely_worse() -> N
     assert text.endswith("Time: 1/100 of the reference")
 
 
-def test_the_tree_says_which_model_where_and_how_it_did_unseen() -> None:
-    leaf = {**FIRST, "region": "V/Vpl below 0.5", "count": 60, "asked": 12, "right": 11}
-    rows = {"advice": [leaf, {**leaf, "region": ""}]}
+CELL = {
+    **{"cell": "light strikers", "anchor": "panels", "reference": "beam", "count": 60, "off": 20},
+    **{"held": 54, "collapses": 0, "warned": 1, "median": -0.1, "low": -0.2, "high": 0.1},
+    "chance": 0.3,
+}
+WAY = {"chooses": 1, "count": 120, "within": 90, "reach": 0.14, "seconds": 0.1}
+
+
+def error_model(*cells: dict) -> SimpleNamespace:
+    ways = [WAY | {"way": "panels"}, WAY | {"way": CORRECTED, "within": 114, "reach": 0.08}]
+    coverage = {"label": "bars", "count": 60, "held": 54, "width": 0.3, "answers": 62, "warned": 30}
+    coverage |= {"right": 9, "silent": 1, "apart": 2, "unseen": 0}
+    rows = {"error-cells": list(cells), "coverage": [coverage]}
+    rows["chooser"] = [*ways, WAY | {"way": SURE, "within": 120}]
     study = SimpleNamespace(models={"panels": SingleDof(resistance="panel", hit_mass="waves")})
-    held = SimpleNamespace(rows=rows, study=study, costs={})
-    text = " ".join(render_text(*choice.tree(held)).split())
-    assert "on 22 of 24 hold-out columns" in text
+    return SimpleNamespace(rows=rows, study=study, costs={"panels": 0.01})
+
+
+def test_the_first_page_takes_the_anchor_and_says_when_not_and_why() -> None:
+    sure = {**CELL, "cell": "heavy strikers", "warned": 0}
+    text = " ".join(render_text(*choice.anchored(error_model(CELL, sure))).split())
     asked = "single-dof --option resistance=panel --option hit_mass=waves"
-    assert f"V/Vpl below 0.5: take panels (`{asked}`); peak within 10 % in 50 of 60, expect" in text
-    assert "any column: take panels" in text
-    assert not (choice.tree(SimpleNamespace(rows={"advice": []}, costs={})))
+    assert f"Take panels (`{asked}`): peak within 10 % on 75 % of 120" in text
+    assert "to be off, on 95 %, below 8 %" in text
+    assert "Time: 1/100 of the reference." in text
+    assert "(table), take beam: together within 10 % on 100 %" in text
+    assert "Why: a light striker" in text
+    assert "108 of 120" in text
+    assert "When not" not in render_text(*choice.anchored(error_model(sure)))
+    assert not choice.anchored(SimpleNamespace(rows={"error-cells": []}))
+
+
+def test_ways_to_choose_are_drawn() -> None:
+    stored = error_model(CELL)
+    figure = Figure("cost", "chooser", "cost", "cost")
+    drawing = draw(Request(stored.study, figure, stored, ("hit",), (), {"panels": Look("k")}))
+    assert drawing.data["way"].tolist() == ["panels", CORRECTED, SURE]
+    assert drawing.canvas is not None
+    stored.rows["chooser"] = []
+    empty = draw(Request(stored.study, figure, stored, ("hit",), (), {}))
+    assert empty.statements == ("No drawn scenario has been judged.",)
+
+
+def test_the_error_model_by_model_and_by_choice() -> None:
+    section = choice.error_model(error_model(CELL))
+    assert section is not None
+    text = " ".join(render_text(*section.blocks).split())
+    assert "90 of 120" in text
+    assert SURE.split(",")[0] in text
+    assert choice.error_model(SimpleNamespace(rows={"coverage": [], "chooser": []})) is None
 
 
 def test_the_table_counts_pairs() -> None:

@@ -33,7 +33,7 @@ MEMBERS = [
 ]  # studs have studies of their own
 ELSEWHERE = (
     *("sweep", "domain-map", "shear-domain", "meshes", "budget"),
-    *("place", "work-precision"),
+    *("place", "work-precision", "chooser"),
 )
 
 

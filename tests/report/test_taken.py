@@ -6,14 +6,17 @@ from types import SimpleNamespace
 
 import pandas as pd
 import pytest
+from toy_models import Spring
 
 from workbench.assessment.budget import PEAK, RESIDUAL
+from workbench.models.superelements import FlexibleSuperelement
 from workbench.report.chapters.answer import decisive
 from workbench.report.chapters.choice import first, trusted
 from workbench.study import Figure
 from workbench.study.matrix import MATRIX_COLUMNS, pooled
 
-STUDY = SimpleNamespace(ranked=("beam",), groups={}, cases=())
+MODELS = dict.fromkeys(("near", "far", "sure"), Spring()) | {"anchor": FlexibleSuperelement()}
+STUDY = SimpleNamespace(ranked=("beam",), groups={"all": ("hit",)}, cases=(), models=MODELS)
 REFERENCE = {"label": "beam", "reference": 2, "known": 0.002}
 
 
@@ -25,8 +28,14 @@ def row(label: str, worst: float | None = None, within: float | None = None, **m
     return {**found, f"{PEAK}_count": 0 if worst is None else 2, **more}
 
 
-def said(*rows: dict) -> str:
-    stored = SimpleNamespace(rows={"matrix": rows, "ranking": []}, costs={})
+def stored_with(*rows: dict, **numbers: float) -> SimpleNamespace:
+    rows = {"matrix": rows, "ranking": []}
+    known = {("hit", "anchor", f"error_{name}"): value for name, value in numbers.items()}
+    return SimpleNamespace(rows=rows, costs={}, number=lambda *key: known.get(key))
+
+
+def said(*rows: dict, **numbers: float) -> str:
+    stored = stored_with(*rows, **numbers)
     return trusted(STUDY, stored, "all").replace("\u2009", " ")
 
 
@@ -44,8 +53,18 @@ def test_the_nearest_model_is_named_where_none_is_surely_within() -> None:
     assert said({**beam, "known": 0.3}, far).endswith("the reference itself is open by 30 %.")
     sure = row("sure", 0.05, 0.06)
     assert said(beam, far, sure).startswith("all: sure, peak within 6 % of beam in all 2 cases")
-    stored = SimpleNamespace(rows={"matrix": [beam, far, sure]}, costs={})
-    assert first(STUDY, stored, "all") == "sure"
+    assert first(STUDY, stored_with(beam, far, sure), "all") == "sure"
+
+
+def test_the_anchor_comes_first_where_it_is_sure_with_the_error_to_expect() -> None:
+    beam, sure, anchor = row(**REFERENCE), row("sure", 0.01, 0.02), row("anchor", 0.05, 0.06)
+    error = {"expected": -0.03, "low": -0.09, "high": 0.04, "chance": 0.03}
+    text = said(beam, sure, anchor, **error)
+    assert text.startswith("all: anchor, peak within 6 % of beam")
+    assert "the error model: expect -3 %, 90 %: -9 to +4 %." in text
+    assert first(STUDY, stored_with(beam, sure, anchor), "all") == "anchor"
+    assert "expect" not in said(beam, sure, anchor)  # not measured
+    assert said(beam, sure, row("anchor", 0.2, 0.21)).startswith("all: sure")
 
 
 def test_a_group_of_collapses_is_told_by_who_sees_them() -> None:

@@ -362,7 +362,9 @@ def test_an_assessment_reads_the_store_only(
         "matrix.csv",
         "cost.csv",
         "ranking.csv",
-        "advice.csv",
+        "error-cells.csv",
+        "coverage.csv",
+        "chooser.csv",
     }
     outcomes = list(result.tables["cells"]["outcome"])
     assert outcomes == ["ok"] * 8 + ["not run"] * 4

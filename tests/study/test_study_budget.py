@@ -1,12 +1,9 @@
-"""Budgets of a study: varied runs are stored, the terms are a table; measuring the model form."""
+"""Budgets of a study: varied runs are stored, the terms are a table."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from math import exp
-from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 from toy_models import Spring
@@ -14,7 +11,6 @@ from toy_models import Spring
 from workbench.assessment.budget import TOTAL
 from workbench.content.terminal import render_text
 from workbench.errors import InputError
-from workbench.evidence.descriptors import DEMAND, YIELDING, descriptors
 from workbench.report.chapters.answer import in_brief
 from workbench.report.chapters.budgets import budget_tables, budgets
 from workbench.report.drawing.sheet import Request
@@ -23,8 +19,7 @@ from workbench.report.figures import draw
 from workbench.report.gallery import figures_of
 from workbench.report.stored import Stored
 from workbench.scenarios import ColumnImpact
-from workbench.study import Assessment, Budget, Case, Store, Study, assess, cells_of, run_study
-from workbench.study.model_form import model_form_rows, range_rows
+from workbench.study import Budget, Case, Store, Study, assess, cells_of, run_study
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +53,6 @@ def test_the_terms_are_a_table(stored: Stored) -> None:
     assert [row["term"] for row in rows][2] == "velocity ±5 %"
     assert rows[2]["high"] == pytest.approx(0.05)
     assert rows[2]["most"] == pytest.approx(1.05 * rows[2]["value"])
-    assert TOTAL not in {row["term"] for row in rows}  # nobody measured the model form of a toy
     assert "mass ±5 %" not in {row["term"] for row in rows}
 
 
@@ -74,7 +68,11 @@ def test_the_report_shows_the_budget(stored: Stored) -> None:
     assert draw(replace(request, figure=other)).canvas is None
     said = render_text(*budgets(stored, {"hit": "soft", "slow": "stiff"}))
     assert said.startswith("With total uncertainty, hit, soft: peak displacement ")
-    assert "without an interval: the model form is not known (not measured here" in said
+    terms = {row["term"] for row in stored.rows["budget"] if row["label"] == "soft"}
+    assert (", 90 %), most of it by" in said) == (TOTAL in terms)
+    assert ("without an interval, as parts are not known: model form (" in said) == (
+        TOTAL not in terms
+    )
     assert said.count("With total uncertainty") == 1  # one headline, that of the model to take
     assert "With total uncertainty" not in render_text(*in_brief(stored.study, stored))  # none is
     section = budget_tables(stored)
@@ -89,61 +87,6 @@ def test_the_quick_form_keeps_the_budgets_of_its_models(stored: Stored) -> None:
         replace(stored.study, budgets=(Budget("hat", ("soft",)),))
     with pytest.raises(InputError, match="must be one of soft"):
         replace(stored.study, budgets=(Budget("hit", ("sift",)),))
-
-
-def drawn(thesis_impact: ColumnImpact, count: int) -> tuple[Case, ...]:
-    """Hits ever lower on the column, so that V/Vpl rises."""
-    column = thesis_impact.column
-    lengths = np.linspace(1.3, 0.6, count)
-    return tuple(
-        Case(f"{low:g}", replace(thesis_impact, column=replace(column, length_below=low)))
-        for low in lengths.tolist()
-    )
-
-
-def test_the_model_form_of_a_known_bias_is_found(
-    thesis_impact: ColumnImpact, tmp_path: Path
-) -> None:
-    """Model over reference exp(-0.4 (V/Vpl - 1)): bias and slope come back, without scatter."""
-    cases = drawn(thesis_impact, 8)
-    study = Study("drawn", "", "", cases, {"soft": Spring(), "fine": Spring()}, "fine")
-    demand = [descriptors(case.scenario)[DEMAND] for case in cases]  # type: ignore[arg-type]
-    pairs = [
-        {
-            "case": case.name,
-            "model": "soft",
-            "against": "fine",
-            "quantity": "peak_displacement",
-            "metric": "relative_error",
-            "value": 0.2 * exp(-0.4 * (own - 1.0)),
-            "against_value": 0.2,
-        }
-        for case, own in zip(cases, demand, strict=True)
-    ]
-    references = [{"case": case.name, "label": "fine", "inside": 1} for case in cases]
-    cells = [
-        {"case": case.name, "label": label, "model_version": 1, "outcome": "not run", "key": ""}
-        for case in cases
-        for label in study.models
-    ]
-    rows = {"comparisons": pairs, "references": references, "cells": cells}
-    tables = {name: pd.DataFrame(of) for name, of in rows.items()}
-    (row,) = model_form_rows(study, Assessment(tmp_path, tables, ()))
-    assert row["region"] == "V/Vpl above 1"
-    assert row["count"] == sum(own >= 1.0 for own in demand)
-    assert row["slope"] == pytest.approx(-0.4, rel=1e-3)
-    assert row["bias"] == pytest.approx(exp(-0.4 * (row["centre"] - 1.0)), rel=1e-3)
-    assert row["scatter"] < 1e-9
-    ranges = {each["descriptor"]: each for each in range_rows(study)}
-    assert ranges[DEMAND]["low"] <= min(demand) < max(demand) <= ranges[DEMAND]["high"]
-    assert ranges[YIELDING]["low"] > 5.0
-    with pytest.raises(InputError, match="no impact on a column"):
-        list(
-            model_form_rows(
-                study,
-                Assessment(tmp_path, {**tables, "comparisons": tables["comparisons"][:0]}, ()),
-            )
-        )
 
 
 def test_answers_of_an_earlier_version_count_if_asked(

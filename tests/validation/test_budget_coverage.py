@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import runpy
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,6 +13,7 @@ from scipy.stats import qmc
 import workbench
 from workbench.assessment.budget import MODEL_FORM, PEAK, REFERENCE, TOTAL, Term
 from workbench.assessment.variations import Budget
+from workbench.evidence.error_model import expected_error
 from workbench.models.base import Model
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.references.fiber_shear import FiberShear
@@ -38,7 +40,9 @@ def budget_of(model: Model, scenario: ColumnImpact) -> dict[str, Term]:
     """Terms of the peak by name; empty without a peak."""
     budget = Budget("", ())
     runs = {name: model.simulate(each) for name, each in budget.variations(scenario).items()}
-    found = budget.terms(model, scenario, model.simulate(scenario), runs)
+    answer = model.simulate(scenario)
+    answer.attrs["error"] = json.dumps(expected_error(scenario, answer).as_dict())
+    found = budget.terms(scenario, answer, runs)
     return {term.name: term for term in found.get(PEAK, ())}
 
 

@@ -6,6 +6,7 @@ hinges, while the column is hit. It can only make the answer smaller, and by les
 and at large strains, where the sensitivity fades: by an unknown part of what is stated.
 """
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -27,7 +28,6 @@ from workbench.assessment.budget import (
 )
 from workbench.errors import InputError
 from workbench.fields import Number, check_keys
-from workbench.models.base import Model
 from workbench.responses import Response, survives
 from workbench.responses.uncertainty import WIDTHS, uncertainty_of
 from workbench.scenarios import ColumnImpact
@@ -77,18 +77,16 @@ class Budget:
         return {name: share for name, share in shares.items() if share}
 
     def terms(
-        self,
-        model: Model,
-        scenario: ColumnImpact,
-        answer: Response,
-        varied_answers: Mapping[str, Response],
+        self, scenario: ColumnImpact, answer: Response, varied_answers: Mapping[str, Response]
     ) -> dict[str, list[Term]]:
         """Terms and sums of an answer by quantity; none for what it does not know.
 
-        Arguments: the `model` and its `answer` to the `scenario`; `varied_answers` by the names of
-        `variations` (absent: no answer).
+        Arguments: the `answer` to the `scenario`, with the error to expect of it (`advised`);
+        `varied_answers` by the names of `variations` (absent: no answer). Where a part is not
+        known there is no total.
         """
         peak = _value(answer, PEAK)
+        error = json.loads(answer.attrs.get("error", "{}"))
         by_quantity = {}
         for quantity in (PEAK, RESIDUAL):
             value = _value(answer, quantity)
@@ -96,18 +94,19 @@ class Budget:
                 continue
             at = partial(_varied_value, varied_answers, quantity)
             width = uncertainty_of(answer, quantity) if WIDTHS in answer.attrs else 0.0
-            of_model = [
-                numerical_term(value, width),
-                model_form(model, scenario, quantity),
-            ]
+            form = model_form(error, quantity)
             inputs = [
                 varied_term(f"{name.replace('_', ' ')} ±{100 * share:g} %", value, ends, _GIVEN)
                 for name, share in self.shares(scenario).items()
                 for ends in [[at(_key(name, -share)), at(_key(name, share))]]
             ]
-            terms = [*of_model, *inputs, _rate_term(scenario, value, at(_RATE_KEY))]
-            sums = [together(REFERENCE, of_model), together(TOTAL, terms)]
-            by_quantity[quantity] = [*terms, *(sums if of_model[1].known else ())]
+            parts = [form, *inputs, _rate_term(scenario, value, at(_RATE_KEY))]
+            sums = [
+                together(name, of)
+                for name, of in ((REFERENCE, parts[:1]), (TOTAL, parts))
+                if all(term.known for term in of)
+            ]
+            by_quantity[quantity] = [numerical_term(value, width), *parts, *sums]
         return by_quantity
 
 

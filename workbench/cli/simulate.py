@@ -257,7 +257,7 @@ def _budgeted(budget: Budget, model: Model, scenario: Scenario, answer: Response
 
     runs, alone = budget.variations(scenario), on_one_mesh(model)
     varied = {name: alone.simulate(each) for name, each in runs.items()}
-    terms = budget.terms(model, scenario, answer, varied)  # type: ignore[arg-type]
+    terms = budget.terms(scenario, answer, varied)  # type: ignore[arg-type]
     return {q: [term.as_dict(float(answer[q])) for term in each] for q, each in terms.items()}
 
 

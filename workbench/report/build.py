@@ -88,6 +88,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
     more = (*stud_study.in_short(study, stored), *integrators.in_short(study, stored))
     parts: list[Section | None] = [
         answer.answer(study, stored, decisive, more),
+        choice.error_model(stored),
         choice.ranking(stored),
         results.validation(study, stored),
         verdicts.verdicts(stored),

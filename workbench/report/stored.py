@@ -19,7 +19,8 @@ BEST = "the best reference"  # stands for the governing one of a case
 _UNKNOWN = {"outcome": NOT_RUN, "message": "", "key": ""}  # a cell that the tables do not have
 _TABLES = (
     *("cells", "findings", "comparisons", "ladder", "gates", "verdicts", "bias"),
-    *("references", "validation", "matrix", "cost", "budget", "ranking", "advice"),
+    *("references", "validation", "matrix", "cost", "budget", "ranking"),
+    *("error-cells", "coverage", "chooser"),
 )
 
 

@@ -1,5 +1,6 @@
 """Assessing a stored study: tables of cells, comparisons, ladders and verdicts. Never simulates."""
 
+import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
@@ -19,6 +20,7 @@ from workbench.responses import (
 )
 from workbench.responses.variables import SCALARS, TIMES
 from workbench.study.cells import Cell, cells_of
+from workbench.study.chooser import error_tables
 from workbench.study.comparisons import (
     LADDER_COLUMNS,
     Answers,
@@ -36,6 +38,7 @@ from workbench.study.matrix import (
     cost_rows,
     matrix_rows,
 )
+from workbench.study.ranking import RANKING_COLUMNS, ranking_rows
 from workbench.study.store import NOT_RUN, Record, Store
 from workbench.study.tables import (
     Columns,
@@ -49,7 +52,6 @@ from workbench.study.tables import (
     write_table,
 )
 from workbench.study.validation import VALIDATION_COLUMNS, validation_rows
-from workbench.study.validity import ADVICE_COLUMNS, RANKING_COLUMNS, advice_rows, ranking_rows
 from workbench.study.verdicts import (
     GATE_COLUMNS,
     REFERENCE_COLUMNS,
@@ -61,6 +63,7 @@ from workbench.study.verdicts import (
     verdicts_of,
 )
 
+ERROR = ("expected", "low", "high", "chance")  # of the error to expect, what cells hold
 _CELL = (
     texts("case", "label", "model")
     | counts("model_version")
@@ -74,6 +77,7 @@ _DERIVED = (
     | counts("outside", "cold")
     | texts("collapse_mechanism")
     | lists("collapse_parts")
+    | numbers(*(f"error_{name}" for name in ERROR))
     | numbers("collapse_displacement", "collapse_time")
     | texts("key")
 )
@@ -94,7 +98,6 @@ _BUDGET = (
     | texts("term")
     | numbers("shift", "low", "high", "least", "most")
     | texts("reason", "source")
-    | lists("lacks")
 )
 
 
@@ -186,10 +189,10 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
         "matrix": (matrix_rows, MATRIX_COLUMNS),
         "cost": (cost_rows, COST_COLUMNS),
         "ranking": (ranking_rows, RANKING_COLUMNS),
-        "advice": (advice_rows, ADVICE_COLUMNS),
     }
     for name, (rows, columns) in derived.items():
         tables[name] = table(rows(study, tables), columns)
+    tables |= error_tables(study, tables)
     store.prepare()
     for name, each in tables.items():
         write_table(store.tables / name, each)
@@ -237,6 +240,8 @@ def _numbers(response: Response, record: Record) -> Row:
     }
     if "shear_utilisation" in response:
         row["shear_utilisation"] = float(response["shear_utilisation"].max())
+    error = json.loads(response.attrs.get("error", "{}"))
+    row |= {f"error_{name}": error.get(name) for name in ERROR}
     collapse = collapse_of(response)
     if collapse is not None:
         row |= {f"collapse_{name}": value for name, value in collapse._asdict().items()}
@@ -268,7 +273,7 @@ def _budget_rows(
                 continue
             response = runs[budget.case, label]
             varied = {k: runs[name, label] for k, name in names.items() if (name, label) in runs}
-            by_quantity = budget.terms(study.models[label], scenario, response, varied)
+            by_quantity = budget.terms(scenario, response, varied)
             for quantity, terms in by_quantity.items():
                 who = {"case": budget.case, "label": label, "quantity": quantity}
                 value = float(response[quantity])

@@ -92,12 +92,12 @@ def matrix(study: Study, stored: Stored, pictures: Iterable[Picture] = ()) -> tu
         Column("in words", width=3.0, of=lambda item: sentence(item[1])),
     )
     rows = stored.rows["matrix"]
-    tree = choice.tree(stored)
+    anchored = choice.anchored(stored)
     return PAGE.blocks(
         "matrix",
         table=Table.of("matrix", "", columns, by_label.items()),
-        choice=tree,
-        sentences=[] if tree else [choice.trusted(study, stored, group) for group in by_group],
+        choice=anchored,
+        sentences=[] if anchored else [choice.trusted(study, stored, group) for group in by_group],
         budgets=_budgeted(study, stored, by_group),
         collapses=any(cell.collapse for cell in stored.cells.values()),
         others=list(_others(study, stored, set(by_label) - set(study.ranked))),

@@ -101,25 +101,23 @@ def change(row: Row) -> str:
 
 def budget_sentence(value: float, quantity: str, rows: Sequence[Row]) -> str:
     """What a budget says, in one sentence: the answer, its interval, the largest part of that."""
-    known = {row["term"]: row for row in rows if row["low"] is not None}
+    by_term = {row["term"]: row for row in rows}
     text = in_unit(value, quantity, 3)
-    if TOTAL not in known:
-        (form,) = (row for row in rows if row["term"] == MODEL_FORM)
-        return PAGE.words("unknown", quantity=quantity, value=text, reason=form["reason"])
-    parts = [row for name, row in known.items() if name not in SUMS]
-    top = max(parts, key=lambda row: row["high"] - row["low"] + abs(row["shift"]))
-    total, numerical = known[TOTAL], known.get(NUMERICAL)
+    parts = [row for name, row in by_term.items() if name not in SUMS]
+    if TOTAL not in by_term:
+        lost = [f"{r['term']} ({r['reason']})" for r in parts[1:] if r["low"] is None]
+        return PAGE.words("unknown", quantity=quantity, value=text, lost=lost)
+    top = max(parts[1:], key=lambda row: row["high"] - row["low"] + abs(row["shift"]))
     return PAGE.words(
         "known",
         quantity=quantity,
         value=text,
-        low=_at(quantity, total["least"], named=False),
-        high=_at(quantity, total["most"]),
+        low=_at(quantity, by_term[TOTAL]["least"], named=False),
+        high=_at(quantity, by_term[TOTAL]["most"]),
         coverage=_COVERAGE,
-        lacks=total["lacks"],
         top=top["term"],
         change=change(top),
-        numerical="not known" if numerical is None else change(numerical),
+        form=change(by_term[MODEL_FORM]),
     )
 
 

@@ -1,4 +1,4 @@
-"""Which model to take: in a group of cases, over drawn columns, and the ranking of all."""
+"""Which model to take: in a group of cases, over drawn columns; the ranking of all."""
 
 from math import ceil
 from typing import Any
@@ -8,21 +8,23 @@ from workbench.content.formatting import title_of
 from workbench.content.page import Page
 from workbench.content.tree import Block, Section
 from workbench.evidence.descriptors import command_of
-from workbench.evidence.error_model import BEYOND
+from workbench.evidence.error_model import BEYOND, ExpectedError
+from workbench.evidence.error_table import ANCHOR
 from workbench.report.chapters.configuration import hit_distance
 from workbench.report.stored import Stored
+from workbench.study.assess import ERROR
+from workbench.study.chooser import CORRECTED, SURE
 from workbench.study.definition import Study
 
 FAIR = 0.10  # bound of what may do
-SURE = 0.05  # chance of as many pairs if two models were equal, from which one is better
+SURELY = 0.05  # chance of as many pairs if two models were equal, from which one is better
 Row = dict[str, Any]
 PAGE = Page(__file__, fair=FAIR, beyond=f"{100 * BEYOND:g}\u2009%")
 
 
 def first(study: Study, stored: Stored, group: str) -> str:
     """The model to take in a group of cases; empty without one."""
-    ranked = _ranked(study, stored, group)
-    return next((label for label, row in ranked.items() if _sure(row)), "")
+    return next((row["label"] for row in _sure(study, stored, group)), "")
 
 
 def trusted(study: Study, stored: Stored, group: str) -> str:
@@ -44,7 +46,7 @@ def _trusted(study: Study, stored: Stored, group: str) -> str:
     quantity = judged(nearest or rows[0])
     if nearest and all(row["against_outside"] == row[f"{PEAK}_count"] for row in compared):
         return PAGE.words("no_reference", nearest=nearest, quantity=quantity)
-    sure = [row for row in ranked if _sure(row)]
+    sure = _sure(study, stored, group)
     if not sure:
         rival = [row for row in stored.rows["ranking"] if row["group"] == group]
         if rival:
@@ -58,6 +60,7 @@ def _trusted(study: Study, stored: Stored, group: str) -> str:
         quantity=quantity,
         cost=stored.costs.get(sure[0]["label"]),
         hit_at=hit_distance(study, group),
+        **_expected(study, stored, group, sure[0]["label"]),
     )
 
 
@@ -92,28 +95,64 @@ def _ranked(study: Study, stored: Stored, group: str) -> dict[str, Row]:
     return dict(sorted(rows.items(), key=place))
 
 
-def _sure(row: Row) -> bool:
-    """Whether a model is within `FAIR` with what is open, it and the reference in their domains."""
-    within = row[f"{PEAK}_within"]
-    return (within or 0.0) <= FAIR and not (
-        within is None or row["outside"] or row["against_outside"]
-    )
+def _sure(study: Study, stored: Stored, group: str) -> list[Row]:
+    """Models within `FAIR` with what is open, they and the reference in their domains.
+
+    The anchor of the error model comes first: where it is surely within, nothing else is to choose.
+    """
+    rows = _ranked(study, stored, group).values()
+    sure = [
+        row
+        for row in rows
+        if (row[f"{PEAK}_within"] or 0.0) <= FAIR
+        and not (row[f"{PEAK}_within"] is None or row["outside"] or row["against_outside"])
+    ]
+    return sorted(sure, key=lambda row: study.models[row["label"]].name != ANCHOR)
+
+
+def _expected(study: Study, stored: Stored, group: str, label: str) -> Row:
+    """The error to expect of a label, in words, in the `case` where most is open."""
+    names = study.groups.get(group, [case.name for case in study.cases])
+    found = [
+        (stored.number(name, label, "error_chance"), name)
+        for name in names
+        if stored.number(name, label, "error_low") is not None
+    ]
+    _, case = max(found, default=(0.0, ""))
+    expected, low, high = (stored.number(case, label, f"error_{name}") for name in ERROR[:3])
+    return {
+        "error": str(ExpectedError(ANCHOR, expected, low, high)),
+        "case": case if len(found) > 1 else "",
+    }
 
 
 def best_ranked(rows: list[Row], costs: dict[str, float]) -> str:
     """What to take where no model keeps within the bound in every case, and what to expect."""
     best, *others = rows
-    equal = [row["label"] for row in others if row["chance"] is None or row["chance"] >= SURE]
+    equal = [row["label"] for row in others if row["chance"] is None or row["chance"] >= SURELY]
     return PAGE.words("ranked", best=best, equal=equal, cost=costs.get(best["label"]))
 
 
-def tree(stored: Stored) -> tuple[Block, ...]:
-    """Which model to take by the tree over all drawn columns, and how it did on hold-out ones."""
-    rows = stored.rows["advice"]
-    right, asked = (sum(row[name] for row in rows) for name in ("right", "asked"))
-    commands = {row["label"]: command_of(stored.study.models[row["label"]]) for row in rows}
+def anchored(stored: Stored) -> tuple[Block, ...]:
+    """Take the anchor; when not, why: over the drawn scenarios of a study that measures it."""
+    cells = stored.rows["error-cells"]
+    if not cells:
+        return ()
+    anchor, ways = cells[0]["anchor"], {row["way"]: row for row in stored.rows["chooser"]}
+    totals = {name: sum(row[name] for row in cells) for name in ("count", "held")}
     return PAGE.blocks(
-        "tree", rows=rows, right=right, asked=asked, commands=commands, costs=stored.costs
+        "anchored",
+        **{"cells": cells, "anchor": anchor, "own": ways[anchor], **totals},
+        **{"corrected": ways[CORRECTED], "sure": ways[SURE]},
+        command=command_of(stored.study.models[anchor]),
+        costs=stored.costs,
+    )
+
+
+def error_model(stored: Stored) -> Section | None:
+    """What intervals hold by model, and the error and the cost of ways to choose."""
+    return PAGE.section(
+        "error_model", coverage=stored.rows["coverage"], chooser=stored.rows["chooser"]
     )
 
 

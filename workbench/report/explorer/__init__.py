@@ -183,7 +183,8 @@ def _models(study: Study) -> Rows:
 
 def _matrix(stored: Stored, study: Study) -> Rows:
     """The matrix of the first page by rows: `label`, `cells` by group, `time` and `words`."""
-    tables = (block for block in answer.matrix(study, stored) if isinstance(block, Table))
+    blocks = answer.matrix(study, stored)
+    tables = (each for each in blocks if isinstance(each, Table) and each.key == "matrix")
     known = {(row["label"], row["group"]): row for row in stored.rows["matrix"]}
     labels, groups = (dict.fromkeys(key[i] for key in known) for i in (0, 1))
     rows = []

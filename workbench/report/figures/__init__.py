@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 KINDS = {
     "budget": "budget.draw",
+    "chooser": "chooser.draw",
     "convergence": "refinement.convergence",
     "cost": "cost.draw",
     "deformed": "deformed.draw",

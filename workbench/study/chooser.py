@@ -1,0 +1,215 @@
+"""What the error model is worth on the drawn scenarios of a study: by cell, by model, as a chooser.
+
+All of it is cross-validated: what is said of a case comes from the other cases of its cell. As in
+`evidence/error_model.py`, ln(answer / truth) is ln(answer / anchor), which is known, plus what the
+others have for ln(anchor / truth); ends are order statistics.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from workbench.evidence.descriptors import variant_of
+from workbench.evidence.error_model import BEYOND, WARNED
+from workbench.evidence.error_table import TABLES, ends_of
+from workbench.responses import Outcome
+from workbench.study.definition import Study
+from workbench.study.ranking import errors_of
+from workbench.study.tables import Columns, Row, Tables, counts, numbers, table, texts
+
+FEWEST = 20  # cases of a cell, of which anything is said
+REACH = 0.9  # share of the errors within `reach`
+QUICK, CORRECTED, SURE = (
+    "the best quick model of each cell",
+    "the anchor, over its expected ratio",
+    "the same, the reference where the anchor is warned of",
+)
+# `off`: more than 10 % in error; `held`: inside the interval of the others; `collapses` of the
+# truth; `median`, `low` and `high` of the error of the anchor, `chance` of more than 10 %
+CELL_COLUMNS = (
+    texts("cell", "anchor", "reference")
+    | counts("count", "off", "held", "collapses", "warned")
+    | numbers("median", "low", "high", "chance")
+)
+# `count` of peaks with an interval, its median `width` as truth over answer; of all `answers`
+# `right`: warned, but within 10 %, `silent`: beyond it and not warned; `apart`: model or truth
+# collapses alone, `unseen`: without a warning
+COVERAGE_COLUMNS = (
+    texts("label")
+    | counts("count", "held")
+    | numbers("width")
+    | counts("answers", "warned", "right", "silent", "apart", "unseen")
+)
+# `chooses`: whether the `way` is to choose among models, else one model; `seconds`, mean of a case
+CHOOSER_COLUMNS = texts("way") | counts("chooses", "count", "within") | numbers("reach", "seconds")
+
+
+class _Drawn(NamedTuple):
+    """Judged cases and what is expected of them by the others: tables by (case, label).
+
+    `errors` as `errors_of`, `cells` of the cases; `collapses` of the truth; `known`: model, anchor
+    and truth stand; `fallen`: the model does not; `expected` error, its ends and its `chance` to
+    be beyond the bound.
+    """
+
+    anchor: str
+    reference: str
+    cells: pd.Series
+    errors: pd.DataFrame
+    seconds: pd.DataFrame
+    fallen: pd.DataFrame
+    collapses: pd.Series
+    known: pd.DataFrame
+    low: pd.DataFrame
+    expected: pd.DataFrame
+    high: pd.DataFrame
+    chance: pd.DataFrame
+
+    @property
+    def held(self) -> pd.DataFrame:
+        """Whether an error lies inside its interval."""
+        return (self.low <= self.errors) & (self.errors <= self.high)
+
+    @property
+    def warned(self) -> pd.DataFrame:
+        """Whether an answer is warned of."""
+        return (self.chance > WARNED) | self.fallen.ne(self.fallen[self.anchor], axis=0)
+
+
+def error_tables(study: Study, tables: Tables) -> dict[str, pd.DataFrame]:
+    """Tables of the error model by name; without rows if a study has no anchor or few cases."""
+    drawn = _drawn(study, tables)
+    makers: dict[str, tuple[Callable[[_Drawn], Iterator[Row]], Columns]] = {
+        "error-cells": (_cell_rows, CELL_COLUMNS),
+        "coverage": (_coverage_rows, COVERAGE_COLUMNS),
+        "chooser": (_chooser_rows, CHOOSER_COLUMNS),
+    }
+    return {
+        name: table(() if drawn is None else rows(drawn), columns)
+        for name, (rows, columns) in makers.items()
+    }
+
+
+def _drawn(study: Study, tables: Tables) -> _Drawn | None:
+    scenarios = {case.name: case.scenario for case in study.cases if case.scenario.KIND in TABLES}
+    anchors = {each.anchor for each in TABLES.values()}
+    errors = errors_of(study, tables)
+    models = {label: study.models[label] for label in map(str, errors)}
+    anchor = next((n for n, m in models.items() if m.name in anchors and not variant_of(m)), "")
+    if not anchor:
+        return None
+    errors = errors[errors.index.isin(scenarios) & errors[anchor].notna()]
+    words, places = {}, {}
+    for case in errors.index:
+        of_kind = TABLES[scenarios[case].KIND]
+        features = of_kind.features(scenarios[case])
+        words[case] = of_kind.cell(features)
+        places[case] = [np.searchsorted(b, features[n], "right") for n, b in of_kind.cells.items()]
+    cells = pd.Series(words, dtype="str")[sorted(words, key=places.__getitem__)]
+    cells = cells[cells.map(cells.value_counts()) >= FEWEST]
+    if cells.empty:
+        return None
+    errors, all_cells = errors.loc[cells.index], tables["cells"]
+    outcomes = all_cells.pivot_table("outcome", "case", "label", aggfunc="first")
+    timed = all_cells[all_cells["cold"] == 0].pivot_table("wall_time", "case", "label")
+    fallen = (outcomes == Outcome.COLLAPSE).loc[errors.index, errors.columns]
+    collapses = fallen[anchor] ^ np.isinf(errors[anchor])
+    known = (errors.notna() & ~fallen).mul(~fallen[anchor] & ~collapses, axis=0)
+    logs = errors.where(known).transform(np.log1p)
+    expected = _expected(logs, logs[anchor].groupby(cells))
+    seconds = timed.reindex(errors.index)
+    return _Drawn(
+        *(anchor, study.reference, cells, errors, seconds, fallen, collapses, known), *expected
+    )
+
+
+def _expected(logs: pd.DataFrame, by_cell: Any) -> Iterator[pd.DataFrame]:
+    """Low end, median and high end of the errors to expect, and the chance to be beyond the bound.
+
+    From `logs`, ln(answer / truth), and those of the anchor by cell; NaN where nothing is known.
+    """
+    found = np.full((4, *logs.shape), np.nan)
+    rows, anchor = logs.to_numpy(), by_cell.obj.to_numpy()
+    for places in by_cell.indices.values():
+        places = places[np.isfinite(anchor[places])]
+        low, high = ends_of(len(places) - 1)
+        for place in places:
+            others = np.sort(anchor[places[places != place]])
+            errors = np.exp((rows[place] - anchor[place])[:, None] + others) - 1.0
+            beyond = (np.abs(errors) > BEYOND).sum(axis=1) + 0.5
+            ends = errors[:, low], np.median(errors, axis=1), errors[:, high]
+            found[:, place] = *ends, beyond / (len(others) + 1.0)
+    for each in np.where(np.isfinite(rows), found, np.nan):
+        yield pd.DataFrame(each, logs.index, logs.columns)
+
+
+def _cell_rows(drawn: _Drawn) -> Iterator[Row]:
+    """A row for every cell: the error of the anchor, of all cases of the cell."""
+    anchor = drawn.anchor
+    for cell, members in drawn.cells.groupby(drawn.cells, sort=False):
+        stands = drawn.known.loc[members.index, anchor]
+        errors = np.sort(drawn.errors.loc[stands.index[stands], anchor].to_numpy())
+        low, high = ends_of(len(errors))
+        off = np.count_nonzero(np.abs(errors) > BEYOND)
+        chance = (off + 0.5) / (len(errors) + 1.0)
+        yield {
+            **{"cell": cell, "anchor": anchor, "reference": drawn.reference},
+            **{"count": len(errors), "off": off, "chance": chance, "warned": chance > WARNED},
+            "held": drawn.held.loc[stands.index, anchor].sum(),
+            "collapses": drawn.collapses[stands.index].sum(),
+            **{"median": np.median(errors), "low": errors[low], "high": errors[high]},
+        }
+
+
+def _coverage_rows(drawn: _Drawn) -> Iterator[Row]:
+    """A row for every model: what intervals hold, who is warned, and what nobody said."""
+    within, warned, held = drawn.errors.abs() <= BEYOND, drawn.warned, drawn.held
+    apart = drawn.fallen.ne(drawn.collapses, axis=0)
+    widths = 1.0 / (1.0 + drawn.low) - 1.0 / (1.0 + drawn.high)
+    for label in map(str, drawn.errors):
+        answered = drawn.errors[label].notna()
+        counted = {
+            "held": held,
+            "warned": warned,
+            "right": warned & within,
+            "silent": ~warned & ~within,
+            "apart": apart,
+            "unseen": apart & ~warned,
+        }
+        yield {
+            "label": label,
+            **{"count": drawn.known[label].sum(), "answers": answered.sum()},
+            "width": widths[label].median(),
+            **{name: of.loc[answered, label].sum() for name, of in counted.items()},
+        }
+
+
+def _chooser_rows(drawn: _Drawn) -> Iterator[Row]:
+    """A row for every model by itself, then for every way to choose; the reference is right."""
+    errors, anchor, seconds = drawn.errors, drawn.anchor, drawn.seconds
+    for label in map(str, errors):
+        yield _chosen(label, errors[label], seconds[label])
+    times = seconds.mean()
+    quick = [n for n in map(str, errors) if times[n] < times[anchor]]
+    if quick:
+        hits = (errors[quick].abs() <= BEYOND).groupby(drawn.cells).transform("sum")
+        best = (hits - (errors[quick].abs() <= BEYOND)).idxmax(axis=1)
+        places = np.arange(len(best)), errors.columns.get_indexer(pd.Index(best))
+        tables = errors, seconds[errors.columns]
+        picked = (pd.Series(each.to_numpy()[places], best.index) for each in tables)
+        yield _chosen(QUICK, *picked, chooses=True)
+    own = errors[anchor]
+    corrected = ((1.0 + own) / (1.0 + drawn.expected[anchor]) - 1.0).fillna(own)
+    yield _chosen(CORRECTED, corrected, seconds[anchor], chooses=True)
+    warned = drawn.warned[anchor]
+    asked = seconds[anchor] + seconds[drawn.reference].where(warned, 0.0)
+    yield _chosen(SURE, corrected.mask(warned, 0.0), asked, chooses=True)
+
+
+def _chosen(way: str, errors: pd.Series, seconds: pd.Series, *, chooses: bool = False) -> Row:
+    sizes = errors.abs().dropna()
+    row = {"way": way, "chooses": chooses, "count": len(sizes), "seconds": seconds.mean()}
+    reach = sizes.quantile(REACH, interpolation="higher")
+    return {**row, "within": (sizes <= BEYOND).sum(), "reach": reach}
