@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from workbench.errors import OutOfDomainError
 from workbench.evidence.descriptors import variant_of
 from workbench.evidence.error_model import BEYOND, WARNED
 from workbench.evidence.error_table import TABLES, ends_of
@@ -104,7 +105,10 @@ def _drawn(study: Study, tables: Tables) -> _Drawn | None:
     words, places = {}, {}
     for case in errors.index:
         of_kind = TABLES[scenarios[case].KIND]
-        features = of_kind.features(scenarios[case])
+        try:
+            features = of_kind.features(scenarios[case])
+        except OutOfDomainError:  # such a scenario has no cell
+            continue
         words[case] = of_kind.cell(features)
         places[case] = [np.searchsorted(b, features[n], "right") for n, b in of_kind.cells.items()]
     cells = pd.Series(words, dtype="str")[sorted(words, key=places.__getitem__)]
