@@ -32,6 +32,7 @@ class Spring:
 
     name: ClassVar[str] = "toy-spring"
     version: ClassVar[int] = 1
+    judged: ClassVar[bool] = False
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
     assumptions: ClassVar[tuple[str, ...]] = ("Linear spring, no mass but the striker's.",)
     sources: ClassVar[tuple[str, ...]] = ()
@@ -84,6 +85,7 @@ class Troubled:
 
     name: ClassVar[str] = "toy-troubled"
     version: ClassVar[int] = 1
+    judged: ClassVar[bool] = False
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = ("None.",)
     sources: ClassVar[tuple[str, ...]] = ()

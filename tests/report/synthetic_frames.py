@@ -40,6 +40,7 @@ class SyntheticFrame(Declared, table="option"):
 
     name: ClassVar[str] = "synthetic-frame"
     version: ClassVar[int] = 1
+    judged: ClassVar[bool] = False
     answers: ClassVar[tuple[str, ...]] = (
         FrameStatic.KIND,
         FrameImpact.KIND,

@@ -36,6 +36,7 @@ class Synthetic(Declared, table="option"):
 
     name: ClassVar[str] = "synthetic"
     version: ClassVar[int] = 1
+    judged: ClassVar[bool] = False
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
     assumptions: ClassVar[tuple[str, ...]] = ("A half sine & a cubic <curve>; no mechanics.",)
     sources: ClassVar[tuple[str, ...]] = ("heng2017", "a <strange> source")

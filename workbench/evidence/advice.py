@@ -12,7 +12,6 @@ from functools import lru_cache
 from typing import Any
 
 from workbench.errors import InputError, WorkbenchError
-from workbench.evidence.catalogue import DATA
 from workbench.evidence.descriptors import DEMAND, features
 from workbench.evidence.error_model import ExpectedError, anchor_error, expected_error
 from workbench.evidence.error_table import ANCHOR, FINEST, REFERENCE, TABLES
@@ -33,7 +32,6 @@ from workbench.scenarios import ColumnImpact
 ORDER = (ANCHOR, REFERENCE, FINEST)
 CLOSE = "close-to-collapse"  # subject
 NONE = "no model of more trust is inside its domain here"
-_OTHER = (*DATA, "soft-impact")  # models whose numbers are of another hit, or nobody's answer
 _BECAUSE = {  # subjects of warnings that a measured error replaces, as its cause
     "buckling": "the axial load bends what is deflected",
     "shear": "webs yield in shear",
@@ -63,10 +61,19 @@ _BECAUSE = {  # subjects of warnings that a measured error replaces, as its caus
 
 
 def expected(model: Model, scenario: Any, response: Response) -> ExpectedError:
-    """The error to expect of a model's answer; none of tests and papers, nor of a soft striker."""
-    if model.name in _OTHER:
-        return ExpectedError(ANCHOR, reason=f"{model.name} is not held against a rigid striker")
+    """The error to expect of a model's answer, as far as the model is to be `judged`."""
+    if not is_judged(model) and model.name != REFERENCE:
+        return ExpectedError(ANCHOR, reason=f"{model.name} is not judged by the anchor")
     return expected_error(scenario, response)
+
+
+def is_judged(model: Model) -> bool:
+    """Whether the error of a model is told by the anchor.
+
+    A reference says ``judged: ClassVar[bool] = False``, and so does what holds numbers of tests,
+    or a striker of its own: their warnings are all that is said of them.
+    """
+    return bool(getattr(model, "judged", True))
 
 
 def advise(model: Model, scenario: Any, response: Response | None = None) -> list[Finding]:
@@ -103,10 +110,10 @@ def judged(
 ) -> list[Finding]:
     """Findings about an answer, its `error` in place of those that it replaces.
 
-    References keep all of theirs: by them they are taken for the truth, or are not.
+    Models that are not judged keep all of theirs.
     """
     kept = list(findings)
-    if hasattr(model, "levels") or model.name in _OTHER or scenario.KIND not in TABLES:
+    if not is_judged(model) or scenario.KIND not in TABLES:
         return kept
     if error.chance is None:
         return [*kept, finding("error-not-measured", reason=error.reason)]

@@ -31,6 +31,7 @@ class Published(Answering):
 
     name: ClassVar[str] = "published"
     version: ClassVar[int] = 1
+    judged: ClassVar[bool] = False
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, FrameImpact.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Numbers as printed or as read from the figure; they answer only their own scenario.",

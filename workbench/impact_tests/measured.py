@@ -28,6 +28,7 @@ class Measured(Answering):
 
     name: ClassVar[str] = "measured"
     version: ClassVar[int] = 1
+    judged: ClassVar[bool] = False
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Numbers as the laboratory gives them; they answer only the scenarios that were tested.",

@@ -124,6 +124,7 @@ class SoftImpact(Answering):
 
     name: ClassVar[str] = "soft-impact"
     version: ClassVar[int] = 4
+    judged: ClassVar[bool] = False
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "The striker is a mass behind one spring, linear up to its crush force, that cannot pull; "

@@ -77,6 +77,7 @@ class FiberReference(FrameModel):
     weight: float = checked(Number(0.5, 1.0, advice="1/2 conserves energy, 1 dissipates most"), 0.5)
     hardening_ratio: float = checked(Number(0.0, 0.1), 1e-6)
 
+    judged: ClassVar[bool] = False
     collision_halvings: ClassVar[int] = 5
     longer: ClassVar[float] = 1.0  # steps, where less is left of the waves
     largest_error: ClassVar[float | None] = None  # refinement tells of it

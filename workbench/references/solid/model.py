@@ -86,6 +86,7 @@ class SolidPlaneStress(Declared, table="option"):
 
     name: ClassVar[str] = "solid-plane-stress"
     version: ClassVar[int] = 2
+    judged: ClassVar[bool] = False
     answers: ClassVar[tuple[str, ...]] = (ColumnPushover.KIND, ColumnImpact.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane stress in layers of the width of the section: no shear lag, no torsion, no local or "
