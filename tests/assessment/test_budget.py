@@ -162,3 +162,7 @@ def test_residuals_far_below_the_peak_have_no_budget(thesis_impact, left, told) 
     if told:  # the error is measured of the peak alone
         assert not found[RESIDUAL][1].known
         assert found[RESIDUAL][1].reason == "not measured of the residual displacement"
+        error = json.loads(answer.attrs["error"]) | {"residual": (0.5 * left, 2.0 * left)}
+        answer.attrs["error"] = json.dumps(error)
+        form = Budget("", ()).terms(thesis_impact, answer, {})[RESIDUAL][1]
+        assert (form.low, form.high) == (pytest.approx(-0.5), pytest.approx(1.0))

@@ -103,12 +103,18 @@ def _joined(terms: Sequence[Term], side: str) -> float:
     return inf if inf in scatters else sqrt(sum(width**2 for width in scatters)) + pulled
 
 
-def model_form(error: Mapping[str, Any], quantity: str) -> Term:
+def model_form(error: Mapping[str, Any], quantity: str, value: float) -> Term:
     """What the `error` to expect of an answer, by fields of `ExpectedError`, leaves open in it.
 
-    The error is measured of the peak: of other quantities nothing is known.
+    Of the peak the error is expected, of the residual displacement `value` the ends are known.
     """
     reason = str(error.get("reason", "not estimated with this answer"))
+    ends = error.get("residual") or (0.0,)
+    if quantity == RESIDUAL and ends[0] > 0.0:
+        low, high = (log(end / value) for end in ends)
+        half = 0.5 * (high - low)
+        text = "ends alone, by the residual displacement of the anchor"
+        return Term(MODEL_FORM, text, f"through {error['anchor']}", low + half, half, half)
     if quantity != PEAK:
         reason = f"not measured of the {quantity.replace('_', ' ')}"
     elif error.get("expected") is not None:

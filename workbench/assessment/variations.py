@@ -94,7 +94,7 @@ class Budget:
                 continue
             at = partial(_varied_value, varied_answers, quantity)
             width = uncertainty_of(answer, quantity) if WIDTHS in answer.attrs else 0.0
-            form = model_form(error, quantity)
+            form = model_form(error, quantity, value)
             inputs = [
                 varied_term(f"{name.replace('_', ' ')} ±{100 * share:g} %", value, ends, _GIVEN)
                 for name, share in self.shares(scenario).items()
