@@ -15,7 +15,7 @@ from math import exp, log
 import numpy as np
 
 from workbench.cli import main
-from workbench.frames.collapse_load import collapse_factor
+from workbench.frames.collapse import collapse_factor
 from workbench.frames.column_estimate import column_like
 from workbench.frames.elastic import dead_load_state
 from workbench.materials import Steel

@@ -166,22 +166,3 @@ def test_every_kernel_is_compiled_through_the_room_that_keeps_code_fresh() -> No
             text = path.read_text("utf-8")
             assert "from numba import" not in text, path
             assert "import numba" not in text, path
-
-
-@pytest.mark.slow
-def test_compiled_steps_of_the_laboratory_are_read_from_disk(tmp_path: Path) -> None:
-    code = (
-        "from workbench.impact.laboratory import run\n"
-        "from workbench.impact.problems import problem\n"
-        "from workbench.impact.schemes import scheme\n"
-        "given = problem('ball')\n"
-        "step = scheme('moreau-midpoint').stepper\n"
-        "run(step, given.system(), given.law, given.start, 0.01, 1e-4, True)\n"
-    )
-    env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    counts = []
-    for _ in range(3):
-        subprocess.run([sys.executable, "-c", code], env=env, check=True)
-        counts.append(sorted(p.name for p in tmp_path.rglob("*follow*.nb*")))
-    assert counts[0]
-    assert counts[0] == counts[1] == counts[2]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from workbench.frames.collapse_load import collapse_factor, collapse_mechanism
-from workbench.frames.shear import shear_bound, shear_demand
+from workbench.frames.collapse import collapse_factor, collapse_mechanism
+from workbench.frames.members import shear_bound, shear_demand
 from workbench.scenarios import Frame, FramePulse, Joint, Load, Member, Node, Pulse
 from workbench.sections import find, square
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from workbench.impact import contact
+from workbench.impact.complementarity import Restitution
 from workbench.impact.laboratory import run
-from workbench.impact.laws import Restitution
 from workbench.impact.schemes import scheme
-from workbench.impact.schemes.gear_gupta_leimkuhler import gear_gupta_leimkuhler
-from workbench.impact.schemes.one_step import (
+from workbench.impact.schemes.time_stepping import (
     central_differences,
     energy_midpoint,
+    gear_gupta_leimkuhler,
     moreau_jean,
     moreau_midpoint,
 )

@@ -11,8 +11,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from workbench.errors import InputError, SolverError
+from workbench.impact.complementarity import Restitution
 from workbench.impact.laboratory import Run, run
-from workbench.impact.laws import Penalty, Restitution
 from workbench.impact.problems import oscillator, problem
 from workbench.impact.schemes import (
     CLASSICAL,
@@ -23,13 +23,13 @@ from workbench.impact.schemes import (
     event_driven,
     scheme,
 )
-from workbench.impact.schemes.gear_gupta_leimkuhler import gear_gupta_leimkuhler
-from workbench.impact.schemes.generalized_alpha import (
+from workbench.impact.schemes.time_stepping import (
+    energy_midpoint,
+    gear_gupta_leimkuhler,
     generalized_alpha,
     hht_alpha,
-    mean_energy_factor,
+    moreau_jean,
 )
-from workbench.impact.schemes.one_step import energy_midpoint, moreau_jean
 from workbench.impact.system import springs
 from workbench.report.drawing.style import house_style
 
@@ -125,12 +125,12 @@ def test_energy_is_kept_where_that_is_declared(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_a_hundred_thousand_elastic_steps_keep_their_energy() -> None:
+def test_ten_thousand_elastic_steps_keep_their_energy() -> None:
     stepper = scheme("midpoint").stepper
-    found = run(stepper, duffing_spring(0.5), ELASTIC, ([1.0], [0.0]), 1e3, 1e-2, compiled=True)
-    assert len(found.t) == 100_001
-    assert found.impacts > 300
-    assert found.drift < 1e-9
+    found = run(stepper, duffing_spring(0.5), ELASTIC, ([1.0], [0.0]), 1e2, 1e-2)
+    assert len(found.t) == 10_001
+    assert found.impacts > 30
+    assert found.drift < 1e-10
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -189,7 +189,7 @@ def test_newmark_puts_the_derived_energy_into_an_impact() -> None:
         factors.append(float(found.v[-1, 0]) ** 2)
         expected = 3.0 - 4.0 * s if s < 2.0 / 3.0 else 8.0 * s - 5.0
         assert found.v[-1, 0] == pytest.approx(expected, abs=1e-9)
-    assert np.mean(factors) == pytest.approx(mean_energy_factor(), rel=1e-3)
+    assert np.mean(factors) == pytest.approx(91.0 / 27.0, rel=1e-3)
 
 
 @pytest.mark.parametrize("name", CONVERGENT)
@@ -217,29 +217,11 @@ def test_event_driven_steps_pass_the_accumulation_exactly() -> None:
         )
 
 
-def a_second_of_the_ball(name: str, compiled: bool = False) -> Run:
-    """At a step of a tenth of a millisecond."""
-    given = problem("ball")
-    return run(scheme(name).stepper, given.system(), given.law, given.start, 1.0, 1e-4, compiled)
-
-
 def test_a_second_of_the_ball_is_right() -> None:
-    found = a_second_of_the_ball("moreau-midpoint")
-    assert np.abs(found.q - problem("ball").answer(found.t)).max() < 5e-4  # measured 1.8e-4
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [n for n in CONVERGENT if n != "event-driven"])
-def test_a_compiled_second_of_the_ball_is_right_quick_and_the_same(name: str) -> None:
-    found = [a_second_of_the_ball(name, True) for _ in range(6)]
-    assert min(each.seconds for each in found[1:]) < 0.05
-    assert np.abs(found[0].q - problem("ball").answer(found[0].t)).max() < 5e-4
-    np.testing.assert_allclose(found[0].q, a_second_of_the_ball(name).q, atol=1e-11)
-
-
-def test_what_does_not_compile_says_so() -> None:
-    with pytest.raises(InputError, match=r"compiled = True: needs an integrator and a system"):
-        a_second_of_the_ball("event-driven", True)
+    given = problem("ball")
+    stepper = scheme("moreau-midpoint").stepper
+    found = run(stepper, given.system(), given.law, given.start, 1.0, 1e-4)
+    assert np.abs(found.q - given.answer(found.t)).max() < 5e-4  # measured 1.8e-4
 
 
 @pytest.mark.parametrize(
@@ -286,10 +268,6 @@ NAN = float("nan")
         ({"laws": [({0: 1.0}, (1.0, 0.0, -5.0), 0.0)]}, "yield_force = -5.0"),
         ({"laws": [({0: 1.0}, (1.0,), NAN)]}, "problem.laws.offset.0 = nan"),
         ({"laws": [({0: 1.0}, (1.0,))]}, "problem.laws.0 = .*offset"),
-        (
-            {"laws": [({0: 1.0}, Penalty(1e6, damping=0.5), 0.0)]},
-            "problem.laws.0.law.damping = 0.5: must be 0 in springs; take a contact with",
-        ),
         ({"load": [1.0, 2.0]}, "problem.load = .*must be 1, one per mass"),
         ({"swing": (1.0, 2.0, 3.0)}, "problem.swing = .*amplitude and circular frequency"),
     ],

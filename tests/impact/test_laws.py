@@ -1,14 +1,14 @@
-"""Contact laws: one impact, simultaneous impacts of a cradle, penalty springs."""
+"""Contact laws: one impact, simultaneous impacts of a cradle."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from workbench.errors import InputError
-from workbench.impact import Penalty, Restitution, collide
-from workbench.impact.laws import percussions
+from workbench.impact import Restitution, collide
+from workbench.impact.complementarity import percussions
+from workbench.impact.system import Penalty
 
 CRADLE = np.array([[2.0, -1.0], [-1.0, 2.0]])  # three balls of 1 kg
 NORMALS = np.array([[-1.0, 0.0], [1.0, -1.0], [0.0, 1.0]])
@@ -71,42 +71,6 @@ def test_newton_and_poisson_differ_on_a_cradle_of_two_coefficients() -> None:
             assert np.diff(after).min() >= -1e-13
 
 
-def flight(law: Penalty, mass: float, speed: float) -> tuple[float, float, float]:
-    """Duration (s), depth (m) and speed of departure (m/s) of a ball on a penalty spring."""
-
-    def left(_, y):
-        return y[0] if law.force(y[0], y[1]) <= 0.0 and y[1] > 0.0 else -1.0
-
-    left.terminal = True
-    out = solve_ivp(
-        lambda _, y: (y[1], law.force(y[0], y[1]) / mass),
-        *((0.0, 1.0), (0.0, -speed)),
-        **{"events": left, "rtol": 1e-10, "atol": 1e-14, "max_step": 1e-4},
-    )
-    return float(out.t[-1]), float(-out.y[0].min()), float(out.y[1, -1])
-
-
-def test_penalty_springs_are_their_closed_forms() -> None:
-    mass, speed = 2.0, 3.0
-    linear, hertz = Penalty(1e6), Penalty(1e8, 1.5)
-    duration, depth, back = flight(linear, mass, speed)
-    assert duration == pytest.approx(np.pi * np.sqrt(mass / 1e6), rel=1e-3)
-    assert depth == pytest.approx(linear.depth(mass, speed), rel=1e-3)
-    assert back == pytest.approx(speed, rel=1e-6)
-    duration, depth, _ = flight(hertz, mass, speed)
-    assert duration == pytest.approx(2.9432 * hertz.depth(mass, speed) / speed, rel=1e-3)
-    assert depth == pytest.approx(hertz.depth(mass, speed), rel=1e-3)
-
-
-@pytest.mark.parametrize("exponent", [1.0, 1.5])
-def test_the_damping_of_hunt_and_crossley_is_a_restitution(exponent: float) -> None:
-    law = Penalty(1e7, exponent, damping=0.2)
-    for speed in (0.5, 3.0):
-        assert flight(law, 2.0, speed)[2] / speed == pytest.approx(law.rebound(speed), rel=2e-4)
-    assert Penalty(1e6).rebound(10.0) == 1.0
-    assert law.rebound(1e-9) == 1.0
-
-
 @pytest.mark.parametrize(
     ("make", "said"),
     [
@@ -115,7 +79,6 @@ def test_the_damping_of_hunt_and_crossley_is_a_restitution(exponent: float) -> N
         (lambda: Restitution(0.5, "hertz"), "newton, poisson"),
         (lambda: Restitution((0.5, 0.5)).each(3), "one number or 3"),
         (lambda: Penalty(0.0), "penalty.stiffness"),
-        (lambda: Penalty(1.0, 0.5), "penalty.exponent"),
     ],
 )
 def test_bad_laws_get_one_clear_message(make, said: str) -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.frames.shear import shear_stiffness
+from workbench.frames.members import shear_stiffness
 from workbench.models.energy_estimate import energy_to_absorb
 from workbench.models.practice.catenary import (
     Izzuddin,
@@ -18,7 +18,7 @@ from workbench.models.practice.catenary import (
 )
 from workbench.models.practice.deflected_shape import beam_of
 from workbench.models.resistance import axial_flexibility, mechanism_of, resistance_curve
-from workbench.models.resistance.mechanism import LINEAR
+from workbench.models.resistance.curve import LINEAR
 from workbench.scenarios import Column, ColumnImpact, Striker
 from workbench.sections import find
 

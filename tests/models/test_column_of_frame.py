@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from workbench.cli import run
 from workbench.errors import InputError, OutOfDomainError
 from workbench.evidence.advice import advise
-from workbench.frames.collapse_load import collapse_factor, collapse_mechanism
+from workbench.frames.collapse import collapse_factor, collapse_mechanism
 from workbench.frames.column_estimate import SAME
 from workbench.frames.column_line import HEAD_MASSES
 from workbench.frames.elastic import ElasticFrame, dead_load_state

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.frames.shear import shear_bound
+from workbench.frames.members import shear_bound
 from workbench.models.domain import (
     buckling_findings,
     euler_load,

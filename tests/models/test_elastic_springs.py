@@ -10,7 +10,7 @@ import pytest
 from builders import THESIS_SPRINGS
 
 from workbench.errors import OutOfDomainError
-from workbench.frames.shear import shear_stiffness
+from workbench.frames.members import shear_stiffness
 from workbench.models.elastic_springs import bar_functions, beam_springs
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.resistance import mechanism_of

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.hinges import ShearSurface
-from workbench.models.four_dof import FourDof, FourDofShear, panels, statics
+from workbench.models.four_dof import FourDof, FourDofShear, kinematics, statics
 from workbench.models.superelements import RigidSuperelement
 from workbench.responses import (
     Outcome,
@@ -113,10 +113,10 @@ def test_four_equations_are_solved_with_pivots_where_they_need_them(shift: float
 @pytest.mark.parametrize(
     ("small", "sliding"),
     [
-        (False, panels.RIGID_IN_SHEAR),
-        (True, panels.RIGID_IN_SHEAR),
-        (False, panels.CHORD),
-        (False, panels.SECTION),
+        (False, kinematics.RIGID_IN_SHEAR),
+        (True, kinematics.RIGID_IN_SHEAR),
+        (False, kinematics.CHORD),
+        (False, kinematics.SECTION),
     ],
 )
 def test_tangent_equals_finite_differences_of_the_internal_forces(small: bool, sliding) -> None:
@@ -147,7 +147,7 @@ def test_tangent_equals_finite_differences_of_the_internal_forces(small: bool, s
         if np.max(np.abs(numeric - half)) > 2e-6 * 2.4e9:
             continue  # a kink lies within the step
         # measured 2.4e-9, and 3.5e-8 where the rotation of sections is iterated
-        bound = 7e-8 if sliding == panels.SECTION else 1e-8
+        bound = 7e-8 if sliding == kinematics.SECTION else 1e-8
         np.testing.assert_allclose(tangent, numeric, atol=bound * 2.4e9)
         checked += 1
     assert checked > 40

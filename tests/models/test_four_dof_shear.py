@@ -9,7 +9,7 @@ from builders import THESIS_SPRINGS, Answers
 from workbench.hinges import ShearSurface
 from workbench.materials import Steel
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.models.resistance.panel import plateau
+from workbench.models.resistance.columns import plateau
 from workbench.references.fiber_shear import FiberShear
 from workbench.responses import Outcome, collapse_of, findings_of, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from builders import SQUARE, portal
 
-from workbench.frames.chains import chains
 from workbench.frames.elastic import dead_load_state, line_wave_times, time_to_peak
-from workbench.frames.shear import shear_demand, shear_stiffness
+from workbench.frames.members import chains, shear_demand, shear_stiffness
 from workbench.frames.structure import free_to_spin
 from workbench.models.domain import euler_load, frame_findings
 from workbench.models.domain import shear_demand as column_demand

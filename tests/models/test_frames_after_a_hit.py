@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from builders import SQUARE
 
-from workbench.frames.collapse_load import sway_collapse, sway_findings
+from workbench.frames.collapse import sway_collapse, sway_findings
 from workbench.frames.elastic import slowest_period
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import Outcome, Response, outcome_of, warnings_of

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from builders import thesis_frame
 
-from workbench.frames.shear import fiber_section
+from workbench.frames.members import fiber_section
 from workbench.materials import Steel
 from workbench.models.frame_model import FrameModel
 from workbench.models.hinged_frames import (

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from workbench.evidence.advice import advise
-from workbench.frames.shear import shear_stiffness
+from workbench.frames.members import shear_stiffness
 from workbench.impact.pace import Pace
 from workbench.impact.records import follow
 from workbench.models.base import Model

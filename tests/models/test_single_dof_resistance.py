@@ -22,8 +22,8 @@ from workbench.models.resistance import (
     mechanism_of,
     resistance_curve,
 )
+from workbench.models.resistance.columns import plateau, transition_length
 from workbench.models.resistance.kernels import PIECE, sum_up, unloading_stiffness
-from workbench.models.resistance.panel import plateau, transition_length
 from workbench.models.single_dof import SingleDof
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker

@@ -10,7 +10,7 @@ import pytest
 from reissner_forms import FormsReissner
 
 from workbench.errors import InputError
-from workbench.frames.shear import shear_stiffness
+from workbench.frames.members import shear_stiffness
 from workbench.models import frame_model
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_reissner import FiberReissner

@@ -234,16 +234,11 @@ def test_an_unreachable_target_is_reported() -> None:
         list(follow_arc(truss, pattern, apex, -1.0, 0.3, 1e-3, most_steps=7))
 
 
-@pytest.mark.parametrize(
-    ("change", "field"),
-    [({"target": 0.0}, "target"), ({"increment": -1.0}, "increment"), ({"dof": 3}, "dof")],
-)
-def test_bad_input_is_named(change, field) -> None:
+def test_a_dof_that_does_not_move_is_named() -> None:
     truss, apex, _ = shallow()
     truss.hold([truss.dof(1, "u")])
     pattern = np.zeros(truss.size)
     pattern[apex] = -1.0
-    given = {"dof": apex, "target": 0.1, "increment": 1e-3}
     with pytest.raises(InputError) as caught:
-        list(follow_arc(truss, pattern, sign=-1.0, **{**given, **change}))
-    assert caught.value.field == field
+        list(follow_arc(truss, pattern, 3, -1.0, 0.1, 1e-3))
+    assert caught.value.field == "dof"

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from beam_cases import chain, clamp, rectangle
 
-from workbench.errors import InputError
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fibers.beams import FiberBeams
 from workbench.structures.paths import apply_loads
@@ -170,21 +169,3 @@ def test_pinned_rungs_carry_no_moment():
     local = assembly.groups[0].local_forces
     assert np.abs(local[10:, 1:]).max() < 1e-8  # measured: round-off
     assert local[15, 0] == pytest.approx(-50.0, rel=0.04)  # measured 0.018
-
-
-@pytest.mark.parametrize(
-    ("ties", "text"),
-    [
-        ([(0, 0)], "another one"),
-        ([(0, 2), (1, 2)], "once"),
-        ([(0, 1)], "one place"),
-        ([(0, 2), (2, 3)], "master of one tie"),
-    ],
-)
-def test_bad_ties_are_refused(ties, text):
-    beams = FiberBeams([[0, 1]], [0], [rectangle()])
-    where = [[0.0, 0.0], [1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]
-    if text == "once":
-        where[1] = [0.0, 0.0]
-    with pytest.raises(InputError, match=text):
-        PlanarAssembly(where, [beams], ties=ties)

@@ -21,7 +21,6 @@ from superelement_cases import (
     random_state,
 )
 
-from workbench.errors import InputError
 from workbench.hinges import YieldSurface
 from workbench.hinges.panel_kernels import WEB
 from workbench.structures.assembly import PlanarAssembly
@@ -413,20 +412,3 @@ def test_moments_have_the_sign_of_the_member():
         assert group.local_forces[0, 1:] == pytest.approx([-moment, moment])
     assert group.utilisation() == pytest.approx(np.ones((1, 2)))
     assert group.plastic[0, 1] > 0.0 > group.plastic[0, 3]
-
-
-@pytest.mark.parametrize(
-    ("build", "field"),
-    [
-        (lambda end: HingeEnd(end.surface, -1.0), "axial_stiffness"),
-        (lambda end: HingeEnd(end.surface, 1.0, float("nan")), "rotational_stiffness"),
-        (lambda end: Superelement(end, end), "axial_stiffness"),
-        (lambda end: Superelement(HingeEnd(end.surface, 1e9), end), "rotational_stiffness"),
-        (lambda end: Superelement(end, end, EA, flexible=True), "bending_stiffness"),
-        (lambda end: Superelement(end, end, EA, EI, True, -1.0), "mass_per_length"),
-        (lambda end: Superelement(end, end, EA, EI, True, 1.0, 1.0, "x"), "rotation_inertia"),
-    ],
-)
-def test_bad_superelements_are_refused_by_name(build, field):
-    with pytest.raises(InputError, match=field):
-        build(HingeEnd(YieldSurface(NP, MP)))

@@ -194,7 +194,7 @@ def _physics() -> Iterator[Check]:
 
 def _flexibility(scenario: ColumnScenario, second_moment: float) -> float:
     """Of a clamped column hit at mid-height (m/N): 192 EI / L^3 in series with its shear."""
-    from workbench.frames.shear import shear_stiffness
+    from workbench.frames.members import shear_stiffness
 
     column = scenario.column
     bending = 192.0 * column.steel.elastic_modulus * second_moment / column.length**3

@@ -14,7 +14,7 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.errors import InputError, OutOfDomainError
 from workbench.frames import out_of_domain
-from workbench.frames.collapse_load import collapse_factor, collapse_mechanism
+from workbench.frames.collapse import collapse_factor, collapse_mechanism
 from workbench.frames.column_line import HEAD_MASSES, ColumnLine, column_line, mass_of_head
 from workbench.frames.elastic import ElasticFrame, dead_load_state
 from workbench.responses import Finding, finding

@@ -9,8 +9,8 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.frames import out_of_domain
-from workbench.frames.chains import chains
 from workbench.frames.elastic import ElasticFrame
+from workbench.frames.members import chains
 from workbench.scenarios import Frame, FrameImpact, Load, Member, Node
 from workbench.scenarios.parts import OVERRIDES
 

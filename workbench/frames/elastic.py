@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import block_diag, eigh
 
 from workbench.arrays import Array
-from workbench.frames.chains import chains
-from workbench.frames.shear import shear_stiffness
+from workbench.frames.members import chains, shear_stiffness
 from workbench.frames.structure import hinge_names, nodal_loads
 from workbench.scenarios import Frame, FrameImpact, Load, Member
 from workbench.scenarios.parts import COMPONENT

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, cast
 import numpy as np
 
 from workbench.arrays import Array, Indices
-from workbench.frames import collapse_watch as collapse
+from workbench.frames import collapse
 from workbench.frames.structure import FrameStructure, upright_names
 from workbench.scenarios import Frame
 from workbench.structures.paths import PathStep

@@ -8,12 +8,10 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import CollapseError, SolverError
-from workbench.frames.chains import named
-from workbench.frames.collapse_load import sway_collapse, sway_findings
-from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
+from workbench.frames.collapse import COLLAPSE_SIDEWAYS, sway_collapse, sway_findings
 from workbench.frames.elastic import slowest_period
+from workbench.frames.members import SOLID_BOUND, named, shear_reached
 from workbench.frames.record import Record
-from workbench.frames.shear import SOLID_BOUND, shear_reached
 from workbench.frames.structure import FrameStructure, hinge_names, member_names, upright_names
 from workbench.responses import Finding, Response, build_response, energy_error, finding
 from workbench.responses.histories import residual_over, still_grows

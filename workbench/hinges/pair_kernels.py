@@ -25,7 +25,6 @@ from workbench.hinges import kernels as surface
 from workbench.hinges.kernels import APEX, AXIS, CURVE, ELASTIC, capacity
 
 Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _NO_MOMENT = 1e-14  # of a plastic moment; a trial that is closer to a smooth apex is at it
 

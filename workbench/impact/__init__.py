@@ -3,9 +3,8 @@
 `integrator` follows every model; `contact` and `pace` hold its law and constants; `records` reads.
 """
 
+from workbench.impact.complementarity import Restitution as Restitution
 from workbench.impact.contact import collide as collide
 from workbench.impact.contact import contact_loss as contact_loss
 from workbench.impact.contact import explicit_percussion as explicit_percussion
 from workbench.impact.contact import rebound as rebound
-from workbench.impact.laws import Penalty as Penalty
-from workbench.impact.laws import Restitution as Restitution

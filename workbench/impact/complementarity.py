@@ -1,75 +1,42 @@
-"""Linear complementarity problems of several contacts: a direct and a projected solver.
+"""Contact of several bodies: impulses of simultaneous impacts, by Newton's or Poisson's law.
 
 Given the Delassus matrix G = W' M^-1 W (symmetric, positive semi-definite; singular where contacts
-depend on each other) and the gap velocities q without impulses, find impulses z with
+depend on each other) and the gap velocities q without impulses, `complementary` finds impulses z,
 
-    0 <= z  perp  w = G z + q >= 0.
+    0 <= z  perp  w = G z + q >= 0,
 
-* `lemke`: complementary pivoting with lexicographic ratio tests (Lemke 1965; Cottle, Pang and Stone
-  1992, section 4.4), which cannot cycle; it ends on a solution or, for these G, on a proof that
-  there is none.
-* `projected`: sweeps of projected Gauss-Seidel, which find out who touches, and steps to the
-  minimum of z'Gz/2 + q'z over those who do, cut where an impulse would pull.
+by complementary pivoting with lexicographic ratio tests (Lemke 1965; Cottle, Pang and Stone 1992,
+section 4.4), which cannot cycle; it ends on a solution or, for these G, on a proof that there is
+none. Steps to the minimum of z'Gz/2 + q'z over the contacts that push, cut where an impulse would
+pull, take out round-off. w is unique, z only where contacts are independent. Residuals are measured
+with G scaled to a unit diagonal and q to a largest entry of 1.
 
-w is unique, z only where contacts are independent. Residuals are measured with G scaled to a unit
-diagonal and q to a largest entry of 1.
+Rigid contacts answer with impulses. With gap velocities gamma- before and gamma = gamma_free + G P
+after:
+
+* Newton: 0 <= P perp gamma + e gamma- >= 0, contact by contact (Heng 2017, eq. 3.21).
+* Poisson: P = P_c + P_e. Compression ends at 0 <= P_c perp gamma_c >= 0; expansion gives back
+  P_e = e P_c, and more only where bodies would overlap otherwise (Glocker and Pfeiffer 1995).
+
+For one contact, and for equal coefficients where all contacts are compressed, Newton and Poisson
+agree; where they differ both are right by their own definitions.
 """
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
 from workbench.arrays import Array
 from workbench.compiled import njit
-from workbench.errors import InputError, SolverError
-from workbench.fields import Choice
+from workbench.fields import Choice, Declared, Many, Number, checked
+from workbench.impact.contact import rebound
 
-LEMKE, PROJECTED = "lemke", "projected"
-METHODS = Choice((LEMKE, PROJECTED))
+NEWTON, POISSON = "newton", "poisson"
 TOLERANCE = 1e-10
-CONTRADICTION = "no impulses keep all bodies apart, the contacts contradict each other"
 _TIE, _PIVOT = 1e-12, 1e-10
 _FLAT = 1e-8
-_ROUND_OFF = 1e-6  # more cannot be: normals that differ by 1e-8 leave 2e-8
 _LARGEST = 1e6  # of a scaled impulse; beyond it round-off has solved what has no solution
-_SWEEPS, _POLISH = 2000, 400
-
-
-class Impulses(NamedTuple):
-    """Impulses (N s), gap velocities (m/s) that they leave, scaled `residual`."""
-
-    impulses: Array
-    velocities: Array
-    residual: float
-
-
-def solve_contacts(delassus: Array, free: Array, method: str = LEMKE) -> Impulses:
-    """Solve the contact problem, contacts that depend on each other included.
-
-    Arguments: `delassus` (n, n) in 1/kg; `free` gap velocities (n,) in m/s; `method`, lemke or
-    projected. Raises `InputError` for arrays that are no contact problem, `SolverError` where no
-    impulses keep the bodies apart, or round-off hides those of nearly dependent contacts.
-    """
-    G, q = np.asarray(delassus, dtype=float), np.asarray(free, dtype=float)
-    METHODS.check("method", method)
-    if q.ndim != 1 or G.shape != (q.size, q.size):
-        raise InputError("delassus", G.shape, f"must be square, for {q.size} gap velocities")
-    if not (np.isfinite(G).all() and np.isfinite(q).all()):
-        raise InputError("delassus", None, "and gap velocities must be finite numbers")
-    if q.size and (np.diagonal(G).min() < 0.0 or not np.allclose(G, G.T, rtol=1e-9)):
-        raise InputError("delassus", None, "must be symmetric without negative diagonal entries")
-    z, residual = complementary(G, q) if method == LEMKE else projected(G, q)
-    if not residual <= TOLERANCE:
-        raise SolverError(f"{q.size} contacts", residual, f"{method}: {_lack(residual)}")
-    return Impulses(z, G @ z + q, residual)
-
-
-def _lack(residual: float) -> str:
-    """Why contacts have no answer: there is none, or round-off hides it where they nearly agree."""
-    if residual > _ROUND_OFF:
-        return CONTRADICTION
-    near = "some contacts nearly depend on each other, as equal ones do"
-    return f"no impulses to {TOLERANCE:g} in round-off, {near}; leave out those"
+_POLISH = 400
 
 
 @njit(cache=True, error_model="numpy")
@@ -133,7 +100,7 @@ def complementary(G, q):
             z[basis[i] - n] = max(table[i, 2 * n + 1], 0.0)
     if z.max() > _LARGEST:
         z[:] = 0.0
-    residual = _swept(A, b, z, _POLISH)
+    residual = _swept(A, b, z)
     return z * scale, residual
 
 
@@ -194,22 +161,10 @@ def _refine(A, b, z):
 
 
 @njit(cache=True, error_model="numpy")
-def projected(G, q):
-    """Impulses by projected Gauss-Seidel with steps in the subspace found, and their residual."""
-    n = q.size
-    if n == 0 or q.min() >= 0.0:
-        return np.zeros(n), 0.0
-    scale, A, b = _scaled(G, q)
-    z = np.zeros(n)
-    residual = _swept(A, b, z, _SWEEPS)
-    return z * scale, residual
-
-
-@njit(cache=True, error_model="numpy")
-def _swept(A, b, z, most):
+def _swept(A, b, z):
     """Improve z until it solves the problem; its residual, infinite where z grows without end."""
     n = z.size
-    for sweep in range(most):
+    for sweep in range(_POLISH):
         if sweep % 4 == 0 and not _refine(A, b, z):
             return np.inf
         residual = residual_of(A, b, z)
@@ -222,3 +177,46 @@ def _swept(A, b, z, most):
                     w += A[i, j] * z[j]
                 z[i] = max(z[i] - w / A[i, i], 0.0)
     return residual if z.max() <= _LARGEST else np.inf
+
+
+@dataclass(frozen=True)
+class Restitution(Declared, table="restitution"):
+    """What comes back after an impact.
+
+    Arguments: `coefficients` of the contacts, 0 (plastic) to 1 (elastic), one for each or one for
+    all; `law`, newton or poisson.
+    """
+
+    coefficients: tuple[float, ...] | float = checked(Many(Number(0.0, 1.0), 1), (0.0,))
+    law: str = checked(Choice((NEWTON, POISSON)), NEWTON)
+
+    def __post_init__(self) -> None:
+        if isinstance(self.coefficients, int | float):
+            object.__setattr__(self, "coefficients", (self.coefficients,))
+        super().__post_init__()
+
+    def each(self, contacts: int) -> Array:
+        """Coefficients of that many contacts. Raises `InputError` if they are not as many."""
+        given = np.atleast_1d(self.coefficients)
+        if given.size not in (1, contacts):
+            raise self.refusal("coefficients", f"must be one number or {contacts}, one per contact")
+        return np.full(contacts, given)
+
+
+@njit(cache=True, error_model="numpy")
+def percussions(G, free, start, e, poisson):
+    """Impulses of simultaneous impacts, and their residual.
+
+    Arguments: `G` (n, n) in 1/kg; `free` and `start`, gap velocities (n,) in m/s without impulses
+    and before the impact; `e` (n,), coefficients; whether the law is Poisson's.
+
+    """
+    if not poisson:
+        xi = np.empty(free.size)
+        for i in range(free.size):
+            xi[i] = free[i] + rebound(start[i], e[i]) * start[i]
+        return complementary(G, xi)
+    pressed, first = complementary(G, free)
+    back = (1.0 + e) * pressed
+    extra, second = complementary(G, free + G @ back)
+    return back + extra, max(first, second)

@@ -5,32 +5,21 @@ Schemes of several contacts for comparison; models march with `integrator`.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from math import ceil
 from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.core.errors import NumbaError
 
-from workbench.arrays import Array
-from workbench.compiled import njit, register_jitable
+from workbench.arrays import Array, Flags, Indices
 from workbench.errors import InputError, SolverError
 from workbench.fields import Number
-from workbench.impact.complementarity import CONTRADICTION
-from workbench.impact.laws import Restitution, percussions
+from workbench.impact.complementarity import Restitution, percussions
 from workbench.impact.pace import SLACK
-from workbench.impact.system import (
-    PLACE,
-    SPEED,
-    System,
-    energy,
-    forces,
-    mean_forces,
-    numbers,
-    surface,
-)
+from workbench.impact.system import PLACE, SPEED, System, numbers
 
+CONTRADICTION = "no impulses keep all bodies apart, the contacts contradict each other"
 REACH = Number(0.0, 1.0)  # share of a step that gaps are forecast for
 _ITERATIONS = 40
 _TOLERANCE = 1e-14
@@ -70,47 +59,44 @@ class Step(NamedTuple):
 Stepper = Callable[[Any, Law, State, float], Step]
 
 
-@register_jitable(inline="always")
-def gaps_of(system, q, t):
+def gaps_of(system: System, q: Array, t: float) -> Array:
     """Gaps (m,) in m."""
-    return system.normals.T @ q + surface(system, t)[0]
+    return np.asarray(system.normals.T @ q + system.surface(t)[0])
 
 
-@register_jitable(inline="always")
-def rates_of(system, v, t):
+def rates_of(system: System, v: Array, t: float) -> Array:
     """Gap velocities (m,) in m/s."""
-    return system.normals.T @ v + surface(system, t)[1]
+    return np.asarray(system.normals.T @ v + system.surface(t)[1])
 
 
-@register_jitable(inline="always")
-def forecast(system, state, reach):
+def forecast(system: System, state: State, reach: float) -> Flags:
     """Contacts whose gap, forecast for the share `reach` of a step in s ahead, is closed."""
-    place, speed, _ = surface(system, state.t)
-    across = system.normals.T
-    return across @ state.q + place + reach * np.minimum(across @ state.v + speed, 0.0) <= SLACK
+    closing = np.minimum(rates_of(system, state.v, state.t), 0.0)
+    return np.asarray(gaps_of(system, state.q, state.t) + reach * closing <= SLACK)
 
 
-@register_jitable
-def impulses_on(system, law, closed, matrix, free, state, t):
+def impulses_on(
+    system: System, law: Law, closed: Flags, matrix: Array, free: Array, state: State, t: float
+) -> tuple[Array, Array, float]:
     """Velocities after the impulses of the closed contacts, and those; `free` is without them.
 
     `matrix` stands for the mass; an impulse P changes the velocities by matrix^-1 W P.
     """
-    P, residual = np.zeros(closed.size), 0.0
-    on = np.flatnonzero(closed)
+    P = np.zeros(closed.size)
+    on: Indices = np.flatnonzero(closed)
     if on.size == 0:
-        return free, P, residual
+        return free, P, 0.0
     W = np.ascontiguousarray(system.normals[:, on])
     back = np.linalg.solve(matrix, W)
     start = rates_of(system, state.v, state.t)[on]
-    gamma = W.T @ free + surface(system, t)[1][on]
-    impulses, residual = percussions(W.T @ back, gamma, start, law.e[on], law.poisson)
-    P[on] = impulses
-    return free + back @ impulses, P, residual
+    gamma = W.T @ free + system.surface(t)[1][on]
+    P[on], residual = percussions(W.T @ back, gamma, start, law.e[on], law.poisson)
+    return free + back @ P[on], P, residual
 
 
-@register_jitable
-def implicit(system, law, state, h, theta, shift, closed):
+def implicit(
+    system: System, law: Law, state: State, h: float, theta: float, shift: Array, closed: Flags
+) -> tuple[Array, Array, Array, int, float]:
     """Velocities of M (v1 - v0) + h f = W P by Newton's method with the contact law inside.
 
     With 0 < theta <= 1 the force is theta f1 + (1 - theta) f0 at q1 = q0 + h (theta v1 +
@@ -120,17 +106,17 @@ def implicit(system, law, state, h, theta, shift, closed):
     M, q0, v0 = system.mass, state.q, state.v
     mean = theta == 0.0
     share = 0.5 if mean else theta
-    f0 = q0 if mean else forces(system, q0)[0]  # of the theta-rule alone
+    f0 = q0 if mean else system.forces(q0)[0]  # of the theta-rule alone
     v1, P, known = v0.copy(), np.zeros(closed.size), 0.0
     before, push, touching = np.abs(M @ v0), np.zeros(q0.size), closed.any()
     residual, count = np.inf, 1
     for turn in range(_ITERATIONS):
         q1 = q0 + h * (share * v1 + (1.0 - share) * v0) + shift
         if mean:
-            f, K = mean_forces(system, q0, q1)
+            f, K = system.mean_forces(q0, q1)
             A = M + 0.5 * h * h * K
         else:
-            f1, K = forces(system, q1)
+            f1, K = system.forces(q1)
             f = theta * f1 + (1.0 - theta) * f0
             A = M + (h * theta) ** 2 * K
         count += 1
@@ -146,7 +132,7 @@ def implicit(system, law, state, h, theta, shift, closed):
             v1, P, known = impulses_on(system, law, closed, A, v1, state, state.t + h)
             push = system.normals @ P
     q1 = q0 + h * (share * v1 + (1.0 - share) * v0) + shift
-    return q1, v1, P, count - (1 if mean else 0), max(residual, known)
+    return q1, v1, P, count - (1 if mean else 0), max(float(residual), known)
 
 
 _MOST_STEPS = 20_000_000
@@ -236,14 +222,11 @@ def run(
     start: tuple[Sequence[float] | Array, Sequence[float] | Array],
     duration: float,
     h: float,
-    compiled: bool = False,
 ) -> Run:
     """Follow a system with one integrator.
 
     Arguments: `system`, used up by the run where it is plastic; `law`; `start`, q and v (n,);
-    `duration` and step `h` in s, which is cut so that whole steps fill the duration; `compiled`,
-    whether to compile the steps for `Springs` first (worth it beyond some ten thousand; all
-    integrators but the event-driven).
+    `duration` and step `h` in s, which is cut so that whole steps fill the duration.
     Raises `InputError` and `SolverError`.
     """
     for name, value in (("duration", duration), ("time_step", h)):
@@ -265,20 +248,18 @@ def run(
     impulses, energies = np.zeros((count + 1, m)), np.zeros((count + 1, 3))
     records[0][0], records[1][0], energies[0, :2] = q, v, system.energy()
     state = State(q, v, a, np.zeros(m), 0.0)
-    begin = perf_counter()
-    follow = _compiled(stepper) if compiled else _follow
-    try:
-        result = follow(stepper, system, given, state, h, (*records, impulses, energies))
-    except NumbaError:
-        reason = "needs an integrator and a system that compile: not event-driven, and `springs`"
-        raise InputError("compiled", compiled, reason, "leave it out") from None
-    done, evaluations, residual = result
+    evaluations, begin = 0, perf_counter()
+    for n in range(1, count + 1):
+        state, impulses[n], spent, residual, loss = stepper(system, given, state, h)
+        evaluations += spent
+        if not residual <= _SOLVED or not np.isfinite(state.q).all():
+            tried = "Newton's method with the contact law inside; reduce the step"
+            if residual == np.inf:  # of the contact problem: a shorter step has the same
+                tried = f"the contact law: {CONTRADICTION} (squeezed bodies); change the contacts"
+            raise SolverError(f"time {(n - 1) * h:.6g} s (step of {h:.3g} s)", residual, tried)
+        records[0][n], records[1][n] = state.q, state.v
+        energies[n] = *system.energy(), loss
     seconds = perf_counter() - begin
-    if done < count:
-        tried = "Newton's method with the contact law inside; reduce the step"
-        if residual == np.inf:  # of the contact problem: a shorter step has the same
-            tried = f"the contact law: {CONTRADICTION} (squeezed bodies); change the contacts"
-        raise SolverError(f"time {done * h:.6g} s (step of {h:.3g} s)", residual, tried)
     t = np.linspace(0.0, duration, count + 1)
     kinetic = 0.5 * np.einsum("ki,ij,kj->k", records[1], mass, records[1])
     places = [system.surface(time)[:2] for time in t]
@@ -308,31 +289,3 @@ def _begin(system: System, start: Any) -> tuple[Array, Array]:
         reason = f"must leave no gap below 0 m, contact {worst} has {gaps[worst]:.3g} m"
         raise InputError("problem.start.q", start[0], reason, advice)
     return q, numbers("start.v", start[1], SPEED, n, "one per unknown")
-
-
-def _follow(step: Any, system: Any, law: Law, state: State, h: float, records: Any) -> Any:
-    """Steps into the records: (steps done, evaluations, last residual)."""
-    q, v, impulses, energies = records
-    evaluations, residual = 0, 0.0
-    for n in range(1, q.shape[0]):
-        taken = step(system, law, state, h)
-        state, residual = taken.state, taken.residual
-        evaluations += taken.evaluations
-        if not residual <= _SOLVED or not np.isfinite(state.q).all():
-            return n - 1, evaluations, residual
-        q[n], v[n], impulses[n] = state.q, state.v, taken.impulses
-        energies[n, 0], energies[n, 1] = energy(system)
-        energies[n, 2] = taken.loss
-    return q.shape[0] - 1, evaluations, residual
-
-
-@cache
-def _compiled(step: Stepper) -> Any:
-    """The same, compiled for a step; kept on disk if the step can be imported by name."""
-    body = register_jitable(_follow)
-
-    def follow(system, law, state, h, records):
-        return body(step, system, law, state, h, records)
-
-    jitted = njit(follow, cache="<locals>" not in step.__qualname__)
-    return lambda _, *arguments: jitted(*arguments)

@@ -15,10 +15,10 @@ from scipy.optimize import brentq
 from workbench.arrays import Array
 from workbench.errors import InputError
 from workbench.fields import did_you_mean
+from workbench.impact.complementarity import Restitution
 from workbench.impact.laboratory import run
-from workbench.impact.laws import Penalty, Restitution
 from workbench.impact.schemes.event_driven import event_driven
-from workbench.impact.system import System, springs
+from workbench.impact.system import Penalty, System, springs
 
 G = 9.81  # m/s2
 _FINER = 2

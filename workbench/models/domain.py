@@ -5,10 +5,10 @@ from functools import lru_cache
 from math import pi, sqrt
 from typing import Any
 
-from workbench.frames.collapse_load import member_strength
+from workbench.frames.collapse import member_strength
 from workbench.frames.elastic import ElasticFrame, dead_load_state
-from workbench.frames.shear import SHEAR_LOSS, shear_bound
-from workbench.frames.shear import shear_findings as frame_shear_findings
+from workbench.frames.members import SHEAR_LOSS, shear_bound
+from workbench.frames.members import shear_findings as frame_shear_findings
 from workbench.frames.structure import free_to_spin
 from workbench.hinges import ShearSurface
 from workbench.responses import Finding, finding

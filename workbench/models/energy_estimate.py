@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from workbench.fields import Choice, Number, checked
 from workbench.models.base import Answering
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
-from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, column_curve, limits
+from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, column_curve, columns
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, ColumnScenario
 
@@ -51,25 +51,25 @@ class EnergyEstimate(Answering):
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all models on a resistance curve."""
-        return limits.curve_findings(scenario, self.resistance)
+        return columns.curve_findings(scenario, self.resistance)
 
     def _solve(self, scenario: ColumnImpact) -> Response:
         column = scenario.column
         spring = self.rotational_stiffness, self.resistance, self.interaction
         curve = column_curve(column, *spring)
         energy = energy_to_absorb(with_hit_mass(scenario, self.hit_mass))
-        limit = limits.limit_of(curve, column)
+        limit = columns.limit_of(curve, column)
         if energy >= curve.work(limit):
-            raise limits.collapsed(curve, column, limit)
+            raise columns.collapsed(curve, column, limit)
         peak = curve.displacement_at(energy)
-        shear, warnings = limits.reached(curve, column, peak)
+        shear, warnings = columns.reached(curve, column, peak)
         values: dict[str, Any] = {
             "peak_displacement": peak,
             "residual_displacement": curve.residual(peak),
             "input_energy": scenario.input_energy,
             "shear_utilisation": shear,
         }
-        return build_response(values, segments=limits.SEGMENTS, warnings=warnings)
+        return build_response(values, segments=columns.SEGMENTS, warnings=warnings)
 
 
 def energy_to_absorb(scenario: ColumnImpact) -> float:

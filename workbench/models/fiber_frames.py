@@ -11,7 +11,7 @@ from typing import ClassVar
 
 from workbench.arrays import Array
 from workbench.fields import Number, checked
-from workbench.frames.shear import fiber_section
+from workbench.frames.members import fiber_section
 from workbench.frames.superelements import Piece
 from workbench.hinges.interaction import polyline
 from workbench.models.bar_frames import Cut

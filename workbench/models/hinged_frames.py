@@ -17,7 +17,7 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.elastic import dead_load_state
-from workbench.frames.shear import fiber_section, shear_demand, shear_stiffness
+from workbench.frames.members import fiber_section, shear_demand, shear_stiffness
 from workbench.frames.structure import FrameStructure
 from workbench.frames.superelements import Piece, cut_members, joint_surface, series
 from workbench.hinges import YieldSurface

@@ -7,7 +7,7 @@ has no mass (the rotation of the hit point) follows inside the forces.
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.impact.laws import Restitution
+from workbench.impact.complementarity import Restitution
 from workbench.impact.problems import Problem
 from workbench.models.four_dof import FourDof, equations, statics
 from workbench.models.four_dof.kinematics import BETA, U1, U2, V

@@ -31,9 +31,9 @@ from workbench.models.resistance import (
     SHAPES,
     ResistanceCurve,
     column_curve,
-    limits,
+    columns,
 )
-from workbench.models.resistance.panel import PANEL
+from workbench.models.resistance.columns import PANEL
 from workbench.models.single_dof import march as one_mass
 from workbench.models.single_dof.spring import spring_moved
 from workbench.responses import Finding, Response, build_response, energy_error, finding
@@ -146,7 +146,7 @@ class SoftImpact(Answering):
     def domain(self, scenario: ColumnImpact) -> list[Finding]:
         """Findings of all models on a resistance curve, of shear those of the run."""
         findings = [
-            f for f in limits.curve_findings(scenario, self.resistance) if f.subject != "shear"
+            f for f in columns.curve_findings(scenario, self.resistance) if f.subject != "shear"
         ]
         if self.striker_stiffness == VEHICLE_STIFFNESS:
             findings.append(finding("stiffness-of-cars", stiffness=VEHICLE_STIFFNESS / 1e3))
@@ -157,7 +157,7 @@ class SoftImpact(Answering):
         scenario = with_hit_mass(scenario, self.hit_mass)
         column, curve = scenario.column, self.curve(scenario)
         mass, striker = column.properties.impact_mass, scenario.striker
-        stiffest = curve.unloading_stiffness(limits.reach(column)) + self.striker_stiffness
+        stiffest = curve.unloading_stiffness(columns.reach(column)) + self.striker_stiffness
         frequency = float(np.sqrt(stiffest / mass + self.striker_stiffness / striker.mass))
         steps = scenario.duration * frequency * _STEPS_PER_PERIOD / (2.0 * np.pi)
         count = int(np.clip(np.ceil(steps), _FEWEST_STEPS, _MOST_STEPS))
@@ -166,17 +166,17 @@ class SoftImpact(Answering):
             where = f"steps of {step:.2g} s, at most {_MOST_STEPS:.0e} are kept"
             raise SolverError(where, step * frequency, "a softer striker or a shorter record")
         force = np.inf if self.crush_force is None else self.crush_force
-        blow, limit = (striker.mass, striker.velocity, 0.0, 0.0), limits.limit_of(curve, column)
+        blow, limit = (striker.mass, striker.velocity, 0.0, 0.0), columns.limit_of(curve, column)
         drive = *blow, curve.elastic_limit, limit, mass, self.striker_stiffness, force
         pace = Pace.equal(scenario.duration, step, count)
         run = follow(impact, (curve.pieces,), pace, drive, one_mass.RECORD)
         records = run.records
         if run.collapsed:
             reached, when = float(records["displacement"][-1]), float(records["time"][-1])
-            raise limits.collapsed(curve, column, reached, when)
+            raise columns.collapsed(curve, column, reached, when)
         solved = perf_counter() - started
         top = float(records["displacement"].max())
-        shear, warnings = limits.reached(curve, column, top)
+        shear, warnings = columns.reached(curve, column, top)
         values: dict[str, Any] = {
             **run.histories,
             "input_energy": scenario.input_energy,
@@ -185,13 +185,13 @@ class SoftImpact(Answering):
         }
         time, _ = values.pop("time"), values.pop("plastic")
         if shear is not None and self.resistance != PANEL:
-            warnings += shear_warnings(column, dict(zip(limits.SEGMENTS, shear, strict=True)))
+            warnings += shear_warnings(column, dict(zip(columns.SEGMENTS, shear, strict=True)))
         if records["percussion"][-1] > 0.0 and records["striker_velocity"][-1] > 0.0:
             values |= dict.fromkeys(("peak_displacement", "time_of_peak", "residual_displacement"))
             if not still_grows(records["displacement"]):
                 longer = float(np.pi * np.sqrt(striker.mass / self.striker_stiffness))
                 warnings.append(finding("still-pushing", duration=scenario.duration, longer=longer))
-        response = build_response(values, time=time, segments=limits.SEGMENTS, warnings=warnings)
+        response = build_response(values, time=time, segments=columns.SEGMENTS, warnings=warnings)
         error = energy_error(response)
         if error is not None and error > _BALANCE:
             raise SolverError("the energy balance", error, f"steps of {step:.2g} s")

@@ -20,9 +20,9 @@ from typing import ClassVar
 
 from workbench.fields import Choice, Number, checked
 from workbench.frames.elastic import wave_times
+from workbench.frames.members import shear_findings
 from workbench.frames.record import StruckRecord
 from workbench.frames.runs import run_impact
-from workbench.frames.shear import shear_findings
 from workbench.frames.structure import FrameStructure
 from workbench.frames.superelements import (
     HingeSurfaces,

@@ -13,8 +13,8 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Number, checked
-from workbench.frames.chains import named
 from workbench.frames.elastic import Spans, line_wave_times, spans_to, time_to_peak
+from workbench.frames.members import named
 from workbench.frames.structure import FrameStructure, stand_frame
 from workbench.materials import Steel
 from workbench.models.base import respond

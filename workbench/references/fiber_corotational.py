@@ -12,7 +12,7 @@ from typing import ClassVar
 
 from workbench.errors import CrumpledError
 from workbench.fields import Choice, Flag, Number, checked
-from workbench.frames.shear import fiber_section, shear_stiffness
+from workbench.frames.members import fiber_section, shear_stiffness
 from workbench.models.base import respond
 from workbench.references.fiber import FiberReference
 from workbench.references.fiber_mesh import (

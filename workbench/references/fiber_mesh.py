@@ -11,12 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from workbench.arrays import Array, Flags, Indices
-from workbench.frames.chains import chains, eventful, named
+from workbench.frames.members import chains, eventful, named
 from workbench.frames.structure import POINTS, MemberReader
 from workbench.responses import Finding, finding
 from workbench.scenarios import Frame, FrameImpact, FrameScenario, FrameStatic
 from workbench.structures.assembly import PlanarAssembly, graded_lengths, halved
-from workbench.structures.elements import JointSpring, JointSprings
+from workbench.structures.elements import JointSprings
 from workbench.structures.fibers import FiberElements
 
 # of the longest member; travelling hinges pass through inner elements
@@ -296,6 +296,6 @@ def joint_springs(frame: Frame, mesh: FrameMesh) -> JointSprings | None:
             bending = frame.steel.elastic_modulus * frame.properties(member).second_moment
             stiffness = STIFF * 4.0 * bending / frame.length(member)
         positive, negative = joint.plastic_moment, joint.plastic_moment_negative
-        springs.append(JointSpring(stiffness, positive or inf, negative or inf))
+        springs.append((stiffness, positive or inf, negative or inf))
         pairs.append((master, slave) if at_start else (slave, master))
     return JointSprings(pairs, springs)

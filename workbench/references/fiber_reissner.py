@@ -14,8 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.fields import Choice, Flag, Number, checked
-from workbench.frames.chains import named
-from workbench.frames.shear import shear_stiffness
+from workbench.frames.members import named, shear_stiffness
 from workbench.materials import Steel
 from workbench.models.frame_model import COLUMNS, as_frame
 from workbench.references.fiber import FiberReference

@@ -175,10 +175,6 @@ def follow_arc(
     the radius may be halved in a row.
     Yields a `PathStep` after each commit; the last one is at `target`. Raises `SolverError`.
     """
-    if not (np.isfinite(target) and target != 0.0):
-        raise InputError("target", target, "must be a finite displacement other than 0")
-    if not increment > 0.0:
-        raise InputError("increment", increment, "must be positive")
     course = Course(assembly, free_pattern(assembly, pattern), dof, sign)
     arc, control = _Arc(course, increment, tolerance, most_cuts), course.control(dof, tolerance)
     for _ in range(most_steps):

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
-from math import inf
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.arrays import Array, Flags, Indices
-from workbench.errors import InputError
 
 
 class Bars(NamedTuple):
@@ -141,11 +137,6 @@ class ElementGroup(ABC):
         """Committed kinetic energy that is not in the mass matrix, in J."""
         return 0.0
 
-    @property
-    def turning_inertia(self) -> bool:
-        """Whether there is rotary inertia that turns with the elements."""
-        return False
-
     def turn_with(self, displacement: Array, velocity: Array) -> None:  # noqa: B027
         """Give velocities that a group keeps of its own the values of the nodes (dofs,), SI."""
 
@@ -230,31 +221,6 @@ class HingedElements(ElementGroup):
         return np.asarray(self._old.local[..., 1:])
 
 
-@dataclass(frozen=True)
-class JointSpring:
-    """Elastic, perfectly plastic rotational spring.
-
-    Arguments: `stiffness` in N m/rad (0: a pin); `strength` for positive and
-    `strength_negative` for negative moments, in N m (inf: elastic). Raises `InputError`.
-    """
-
-    stiffness: float
-    strength: float = inf
-    strength_negative: float = inf
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.stiffness < inf:
-            raise InputError(
-                "joint.stiffness",
-                self.stiffness,
-                "must be finite and not negative",
-                "a rigid joint needs no spring",
-            )
-        for name in ("strength", "strength_negative"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"joint.{name}", getattr(self, name), "must be positive")
-
-
 class JointState(NamedTuple):
     """Rotations and their plastic parts in rad, moments in N m, (springs,) each."""
 
@@ -266,23 +232,21 @@ class JointState(NamedTuple):
 class JointSprings(ElementGroup):
     """An element group of rotational springs.
 
-    Arguments: `nodes` (springs, 2), pairs of tied nodes, in the order in which they come along
-    the member; `springs`, one for each pair. The rotation of a spring is that of its second node
-    less that of its first one, so that its moment is the internal moment of the member there:
-    positive where it stretches the fibers on the right of somebody who looks along the member.
+    Elastic, perfectly plastic. Arguments: `nodes` (springs, 2), pairs of tied nodes, in the order
+    in which they come along the member; of each spring its stiffness in N m/rad (0: a pin) and its
+    strength for positive and negative moments in N m (inf: elastic), `springs` (springs, 3). The
+    rotation of a spring is that of its second node less that of its first one, so that its moment
+    is the internal moment of the member there: positive where it stretches the fibers on the right
+    of somebody who looks along the member.
     """
 
     _old: JointState
     _new: JointState
 
-    def __init__(self, nodes: ArrayLike, springs: Sequence[JointSpring]) -> None:
-        super().__init__(nodes, JointState(*np.zeros((3, len(springs)))))
-        if len(springs) != len(self.nodes):
-            raise ValueError("one spring for each pair of nodes")
-        self.springs = tuple(springs)
-        self._stiffness: Array = np.array([spring.stiffness for spring in springs])
-        self._most: Array = np.array([spring.strength for spring in springs])
-        self._least: Array = -np.array([spring.strength_negative for spring in springs])
+    def __init__(self, nodes: ArrayLike, springs: ArrayLike) -> None:
+        self._stiffness, self._most, least = np.array(springs, dtype=float).reshape(-1, 3).T
+        self._least: Array = -least
+        super().__init__(nodes, JointState(*np.zeros((3, len(least)))))
 
     def place(self, bars: Bars) -> None:
         """Take its place in a structure; the chords must have no length."""

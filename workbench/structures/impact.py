@@ -22,7 +22,6 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.errors import InputError
 from workbench.impact import contact
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.time_steps import (
@@ -59,13 +58,13 @@ def impact(
 
     Arguments: `assembly` at rest under its dead loads; `striker`; `spans`; `weight` of the end
     stresses, 1/2 to 1 (1/2 conserves energy exactly, more dissipates grid-scale ringing; "moreau"
-    has 1/2); `tolerance` of the residual; `sign`, -1 for a strike along the negative direction;
-    `integrator`, one of `INTEGRATORS`; `halvings`, how often steps are halved at the first contact,
-    and at most in a later collision. Bending waves spread as the root of time, so that steps may
-    grow with it; and a collision takes along what a wave reaches within its step, with the loss of
-    Newton's law: where no mass is lumped, that is an error of the step.
-    Yields a `TimeStep` after each commit. Raises `SolverError`, and `InputError` where the
-    integrator does not fit.
+    has 1/2, and no inertia that turns with the bars); `tolerance` of the residual; `sign`, -1 for a
+    strike along the negative direction; `integrator`, one of `INTEGRATORS`; `halvings`, how often
+    steps are halved at the first contact, and at most in a later collision. Bending
+    waves spread as the root of time, so that steps may grow with it; and a collision takes along
+    what a wave reaches within its step, with the loss of Newton's law: where no mass is lumped,
+    that is an error of the step.
+    Yields a `TimeStep` after each commit. Raises `SolverError`.
     """
     stepper = _Stepper(assembly, dof, sign, striker, weight, integrator, tolerance)
     if halvings:
@@ -89,8 +88,6 @@ class _Stepper:
         integrator: str,
         tolerance: float,
     ) -> None:
-        if integrator not in INTEGRATORS:
-            raise InputError("integrator", integrator, f"must be one of {', '.join(INTEGRATORS)}")
         self.assembly, self.dof, self.sign = assembly, dof, sign
         self.striker, self.weight, self.tolerance = striker, weight, tolerance
         self.shortest = np.inf  # step of a collision that is not halved, in s
@@ -100,7 +97,6 @@ class _Stepper:
         self._rate: Array | None = None  # mean velocities of the last step
         self._direction: Array | None = None  # M^-1 w
         if integrator == MOREAU:
-            _check_mean_forces(assembly, weight)
             self._before = assembly.assemble(assembly.displacement, None)
         if integrator == GEAR_GUPTA_LEIMKUHLER:
             self._direction = _mass_direction(assembly, dof, sign)
@@ -206,27 +202,13 @@ class _Stepper:
         return turned - float(moved @ (trial.force - assembly.load))
 
 
-def _check_mean_forces(assembly: PlanarAssembly, weight: float) -> None:
-    """Raise `InputError` where the mean of the forces at both ends would leave something out."""
-    if weight != 0.5:
-        raise InputError("weight", weight, "must be 0.5 with the integrator moreau")
-    if any(group.turning_inertia for group in assembly.groups):
-        text = "has no place for rotary inertia that turns with the bars"
-        advice = "take linear rotary inertia or none, or another integrator"
-        raise InputError("integrator", MOREAU, text, advice)
-
-
 def _mass_direction(assembly: PlanarAssembly, dof: int, sign: float) -> Array:
     """Velocities M^-1 w (dofs,) per unit of impulse at `dof`; zero where there is no mass."""
     unit = np.zeros(assembly.size)
     unit[dof] = sign
     diagonal = assembly.mass.reshape(assembly.size, -1)[:, 2 * assembly.width]
     massless = np.flatnonzero(diagonal <= 0.0)
-    if dof in assembly.held or dof in massless:
-        text = "needs mass where the striker hits"
-        raise InputError("integrator", GEAR_GUPTA_LEIMKUHLER, text, "add some")
     assembly.band[:] = assembly.mass
     direction = assembly.solve(unit, np.union1d(assembly.held, massless))
-    if direction is None:
-        raise InputError("integrator", GEAR_GUPTA_LEIMKUHLER, "needs a regular mass matrix")
+    assert direction is not None
     return direction

@@ -128,10 +128,6 @@ def push(
 def _points(begin: float, targets: ArrayLike, increment: float) -> list[float]:
     """Equal steps of at most `increment` from `begin` to each of the targets in turn."""
     stops = np.atleast_1d(np.asarray(targets, dtype=float))
-    if not (stops.size and np.all(np.isfinite(stops))):
-        raise InputError("targets", None, "must be one or more finite numbers")
-    if not increment > 0.0:
-        raise InputError("increment", increment, "must be positive")
     points: list[float] = []
     for stop in stops:
         count = ceil(abs(stop - begin) / increment - 1e-9)

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.errors import InputError, SolverError
+from workbench.errors import SolverError
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import StepEnergies
 from workbench.structures.equilibrium import Solution, newton, pieces
@@ -220,10 +220,8 @@ def follow_force(
     Arguments: `assembly` at rest under its dead loads; the `mean` factor of a step between two
     times (s); `spans`; `weight` of the end stresses, 1/2 to 1 (1/2 conserves energy
     exactly); mass-proportional `damping` in 1/s; `tolerance` of the residual.
-    Yields a `TimeStep` after each commit. Raises `SolverError` and `InputError`.
+    Yields a `TimeStep` after each commit. Raises `SolverError`.
     """
-    if not (np.isfinite(damping) and damping >= 0.0):
-        raise InputError("damping", damping, "must not be negative")
 
     def advance(begin: float, dt: float) -> tuple[TimeStep | None, int, float]:
         factor = mean(begin, begin + dt)

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
+from workbench.impact.complementarity import Restitution
 from workbench.impact.laboratory import run
-from workbench.impact.laws import Restitution
 from workbench.impact.schemes import scheme
 from workbench.impact.system import springs
 from workbench.report.drawing.style import GRID, INK, MUTED, PALETTE, house_style, new_figure

@@ -4,19 +4,20 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, sqrt
-from typing import Any
 
 from workbench.errors import InputError
 from workbench.fields import did_you_mean
 from workbench.impact.laboratory import Stepper
 from workbench.impact.schemes.event_driven import event_driven
-from workbench.impact.schemes.gear_gupta_leimkuhler import gear_gupta_leimkuhler
-from workbench.impact.schemes.generalized_alpha import generalized_alpha, hht_alpha, newmark
-from workbench.impact.schemes.one_step import (
+from workbench.impact.schemes.time_stepping import (
     central_differences,
     energy_midpoint,
+    gear_gupta_leimkuhler,
+    generalized_alpha,
+    hht_alpha,
     moreau_jean,
     moreau_midpoint,
+    newmark,
 )
 
 MOMENTUM, ENERGY, LINEAR_ENERGY = "momentum", "energy", "energy of linear systems"
@@ -79,11 +80,6 @@ SCHEMES: dict[str, Scheme] = {
         "explicit central differences", central_differences, 2, 1, (MOMENTUM,), (0.0, 2.0), 2.0
     ),
 }
-for _name, _scheme in SCHEMES.items():
-    # names that can be imported, by which numba finds compiled code that holds the step again
-    _step: Any = _scheme.stepper
-    _step.__module__, _step.__qualname__ = __name__, f"step_{_name.replace('-', '_')}"
-    globals()[_step.__qualname__] = _step
 CLASSICAL = tuple(name for name, scheme in SCHEMES.items() if not scheme.impact_order)
 
 

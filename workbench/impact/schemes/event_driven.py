@@ -12,9 +12,8 @@ through its ends.
 import numpy as np
 
 from workbench.arrays import Array, Flags
-from workbench.impact.complementarity import complementary
+from workbench.impact.complementarity import complementary, percussions
 from workbench.impact.laboratory import Law, State, Step, Stepper, gaps_of, rates_of
-from workbench.impact.laws import percussions
 from workbench.impact.system import System
 
 _CLOSED = 1e-10  # m; a gap that counts as closed

@@ -8,7 +8,7 @@ from workbench.impact.contact import inner
 from workbench.impact.newton import Equations, newton_of
 from workbench.impact.pace import EPS
 from workbench.models.four_dof import kinematics as geometry
-from workbench.models.four_dof import panels, statics
+from workbench.models.four_dof import statics
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
 from workbench.structures.kernels import copy, solve_four
 
@@ -33,8 +33,8 @@ def mean_forces(column, state, work):
         v0, x0, _ = geometry.place(work.q0, lengths, bar)
         v1, x1, _ = geometry.place(state.q, lengths, bar)
         small = column.small_rotations
-        if column.sliding == panels.SECTION:
-            panels.section_mean_forces(bar, state, work)
+        if column.sliding == geometry.SECTION:
+            geometry.section_mean_forces(bar, state, work)
             continue
         ev, ex, pv, px = geometry.step_gradients(v0, x0, v1, x1, lengths[bar], small)
         work.f[bar, 0], work.f[bar, 1] = N * ev + M * pv, N * ex + M * px

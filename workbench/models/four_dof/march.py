@@ -10,10 +10,10 @@ keeps their energy at any step.
 import numpy as np
 
 from workbench.compiled import njit
-from workbench.frames.collapse_watch import COLLAPSE_CONTRACTION, COLLAPSE_SIDEWAYS
+from workbench.frames.collapse import COLLAPSE_CONTRACTION, COLLAPSE_SIDEWAYS
 from workbench.impact.contact import called, inner, moreau_step_of
 from workbench.impact.integrator import COMMON, Model, begin, march_of, no_flow
-from workbench.models.four_dof import panels, statics
+from workbench.models.four_dof import kinematics, statics
 from workbench.models.four_dof.equations import TwoBars, newton, predict
 from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.structures.kernels import copy
@@ -218,7 +218,7 @@ def start(columns, states, room, pace):
     statics.internal_forces(s.columns[0], s.states[0], s.room[0])
     at_place(s)
     s.room[0].collision_mass = s.columns[0].mass[V] if pace.error < np.inf else 0.0
-    if s.columns[0].sliding == panels.RIGID_IN_SHEAR:
+    if s.columns[0].sliding == kinematics.RIGID_IN_SHEAR:
         s.room[0].finish_below = _NEARLY if pace.error < np.inf else _CLOSELY
     return s
 

@@ -7,13 +7,13 @@ from typing import Any, ClassVar
 import numpy as np
 
 from workbench.fields import Choice, Flag, Number, checked
-from workbench.frames.shear import shear_stiffness
+from workbench.frames.members import shear_stiffness
 from workbench.hinges import ShearSurface, YieldSurface, has_shear_surface
-from workbench.hinges.panel import SHEAR_DEPTHS
+from workbench.hinges.interaction import SHEAR_DEPTHS
 from workbench.materials import Steel
 from workbench.models.domain import panel_findings, shear_findings, stub_findings
 from workbench.models.elastic_springs import Springs, beam_springs
-from workbench.models.four_dof import panels
+from workbench.models.four_dof import kinematics
 from workbench.models.four_dof.rigid_bars import RigidBars
 from workbench.models.hit_mass import HIT_MASS, WAVES
 from workbench.responses import Finding, finding
@@ -21,7 +21,7 @@ from workbench.scenarios import Column, ColumnScenario
 from workbench.sections import Section
 
 _SHEARED = 0.15  # mean sliding over length from which a solid's flanges carry tension
-_KINEMATICS = {"chord": panels.CHORD, "section": panels.SECTION}
+_KINEMATICS = {"chord": kinematics.CHORD, "section": kinematics.SECTION}
 
 
 @dataclass(frozen=True)

@@ -19,13 +19,13 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, SolverError
 from workbench.fields import Choice, Flag, Number, checked
-from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
+from workbench.frames.collapse import COLLAPSE_SIDEWAYS
 from workbench.impact.pace import Pace
 from workbench.impact.records import Run, follow, histories_of
 from workbench.models.base import Answering
 from workbench.models.domain import buckling_findings, count_finding, step_finding
 from workbench.models.elastic_springs import Springs, thesis_springs
-from workbench.models.four_dof import march, panels, statics
+from workbench.models.four_dof import kinematics, march, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.responses import VARIABLES, Finding, Response, build_response, open_share
@@ -250,7 +250,7 @@ class RigidBars(Answering):
             raise SolverError("the energy balance", error, "tolerances and steps down to a 256th")
         solved = perf_counter() - started
         turned = records["plastic"][_BARS, _PLACES]
-        if bars["sliding"] == panels.CHORD:
+        if bars["sliding"] == kinematics.CHORD:
             turned -= _WITH_CHORD * (records["plastic"][:, 3] / bars["lengths"][:, None])[_BARS]
         values |= _histories(scenario.column, bars, records)
         values |= {"plastic_rotation": turned, **run.peak(scenario.striker.restitution > 0.0)}
@@ -306,7 +306,7 @@ def _histories(column: Column, bars: Any, records: dict[str, Array]) -> dict[str
     v, u1, _, u2 = records["q"]
     stress = records["stress"]
     resistance, slides = column.properties.shear_resistance, {}
-    if bars["sliding"] != panels.RIGID_IN_SHEAR:
+    if bars["sliding"] != kinematics.RIGID_IN_SHEAR:
         shear, resistance = np.abs(stress[:, 3]), bars["web"]["shear"]
         slides["sliding"] = records["plastic"][:, 3]
     else:

@@ -11,7 +11,6 @@ from workbench.compiled import njit
 from workbench.hinges.kernels import newton_in_bracket, project
 from workbench.hinges.panel_kernels import WEB
 from workbench.models.four_dof import kinematics as geometry
-from workbench.models.four_dof import panels
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
 from workbench.structures.kernels import copy, solve_four
 
@@ -97,10 +96,10 @@ def hinge_forces(column, bar, elastic, stress, work):
 
     The tangent as numbers, NN, N1, N2, 11, 12, 22.
     """
-    if column.sliding == panels.CHORD:
+    if column.sliding == geometry.CHORD:
         trial, D = work.trial[:], work.D[bar]
         trial[0], trial[1], trial[2] = elastic
-        panels.chord_forces(column, bar, stress[bar], work)
+        geometry.chord_forces(column, bar, stress[bar], work)
         return D[0, 0], D[0, 1], D[0, 2], D[1, 1], D[1, 2], D[2, 2]
     k, N, M = column.stiffness, column.squash_loads, column.plastic_moments
     stiffness = k[bar, 0], k[bar, 1], k[bar, 2]
@@ -118,8 +117,8 @@ def bar_forces(column, bar, state, work):
     plastic, stress = state.plastic, state.stress
     small, length = column.small_rotations, column.lengths[bar]
     v, x, b = geometry.place(state.q, column.lengths, bar)
-    if column.sliding == panels.SECTION:
-        panels.section_forces(column, bar, (v, x, b), state, work)
+    if column.sliding == geometry.SECTION:
+        geometry.section_forces(column, bar, (v, x, b), state, work)
         return
     stretch, angle = geometry.stretch_and_angle(v, x, length, small)
     elastic = stretch - plastic[bar, 0], angle - plastic[bar, 1], b - angle - plastic[bar, 2]
@@ -188,8 +187,8 @@ def balance_rotation(column, state, work):
     _, above = geometry.stretch_and_angle(v, x, lengths[ABOVE], column.small_rotations)
     one, two = below + state.plastic[BELOW, 2], -above - state.plastic[ABOVE, 2]
     low, high = min(one, two), max(one, two)
-    if column.sliding != panels.RIGID_IN_SHEAR:
-        low, high = panels.wider(column, state, low, high)
+    if column.sliding != geometry.RIGID_IN_SHEAR:
+        low, high = geometry.wider(column, state, low, high)
     q[BETA] = min(max(q[BETA], low), high)
     for _ in range(100):
         internal_forces(column, state, work)
@@ -270,8 +269,8 @@ def update_plastic_deformations(column, start, state, work):
         length, small = column.lengths[bar], column.small_rotations
         stretch, angle = geometry.stretch_and_angle(v, x, length, small)
         total = (stretch, angle, b - angle)
-        if column.sliding != panels.RIGID_IN_SHEAR:
-            total = panels.commit_sliding(column, bar, (v, x, b), total, start, state, work)
+        if column.sliding != geometry.RIGID_IN_SHEAR:
+            total = geometry.commit_sliding(column, bar, (v, x, b), total, start, state, work)
         for j in range(3):
             new = total[j]  # a pin: all of its rotation is free
             if column.stiffness[bar, j] > 0.0:
@@ -288,7 +287,7 @@ def store(column, state):
     energy = column.spring * (state.q[U2] - column.unstressed) ** 2
     for i in range(2):
         energy += f[i, 0] * Q[i, 0] ** 2 + f[i, 1] * Q[i, 1] ** 2 + f[i, 3] * Q[i, 2] ** 2
-        if column.sliding != panels.RIGID_IN_SHEAR:
+        if column.sliding != geometry.RIGID_IN_SHEAR:
             energy += Q[i, 3] ** 2 * column.lengths[i] / column.web.stiffness
     state.elastic = 0.5 * energy
 

@@ -15,7 +15,7 @@ from workbench.fields import Choice, checked
 from workbench.models.base import Answering
 from workbench.models.domain import member_findings
 from workbench.models.energy_estimate import energy_to_absorb
-from workbench.models.resistance import limits
+from workbench.models.resistance import columns
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact
 
@@ -79,8 +79,8 @@ class HandEstimate(Answering):
         column, striker = scenario.column, scenario.striker
         force = mechanism_load(column, self.axial)
         displacement = energy_to_absorb(scenario) / force
-        if displacement >= limits.reach(column):
-            raise limits.out_of_reach(column, limits.reach(column))
+        if displacement >= columns.reach(column):
+            raise columns.out_of_reach(column, columns.reach(column))
         time = striker.mass * striker.velocity / force
         values = {
             "peak_displacement": displacement,
@@ -88,4 +88,4 @@ class HandEstimate(Answering):
             "time_of_peak": time if striker.restitution == 0.0 else None,
             "input_energy": scenario.input_energy,
         }
-        return build_response(values, segments=limits.SEGMENTS)
+        return build_response(values, segments=columns.SEGMENTS)

@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 from workbench.fields import Choice, Number, checked
 from workbench.models.base import Answering
 from workbench.models.practice.hand_estimate import SECTION, mechanism_load
-from workbench.models.resistance import RESISTANCES, ResistanceCurve, column_curve, limits
+from workbench.models.resistance import RESISTANCES, ResistanceCurve, column_curve, columns
 from workbench.models.single_dof.pulse import Pushed, push
 from workbench.models.soft_impact import VEHICLE_STIFFNESS
 from workbench.responses import Finding, Response, build_response, finding
@@ -63,7 +63,7 @@ class HardImpact(Answering):
 
     def domain(self, scenario: ColumnImpact) -> list[Finding]:
         """Findings of all models on a resistance curve, and the check of soft impact."""
-        findings = limits.curve_findings(scenario, self.resistance)
+        findings = columns.curve_findings(scenario, self.resistance)
         capacity, needed = self.deformation_capacity, self._soft_deformation(scenario)
         if capacity is not None and needed > capacity:
             findings.append(
@@ -90,7 +90,7 @@ class HardImpact(Answering):
             values["residual_displacement"] = curve.residual(top)
         values["peak_force"] = pulse.peak
         values["impulse"] = scenario.striker.mass * scenario.striker.velocity
-        values["shear_utilisation"], warnings = limits.reached(curve, column, top)
+        values["shear_utilisation"], warnings = columns.reached(curve, column, top)
         crush = scenario.striker.velocity * pulse.length if pulse.length else 0.0
         if top <= _RIGID * crush:
             stiffness = self.striker_stiffness
@@ -99,7 +99,7 @@ class HardImpact(Answering):
             )
         else:
             warnings.append(finding("hard-impact", top / crush, crush=crush, top=top))
-        response = build_response(values, time=time, segments=limits.SEGMENTS, warnings=warnings)
+        response = build_response(values, time=time, segments=columns.SEGMENTS, warnings=warnings)
         rule = {
             "rule.force": (pulse.peak, "N", "force of hard impact"),
             "rule.duration": (pulse.length, "s", "duration of hard impact"),
@@ -119,9 +119,9 @@ class HardImpact(Answering):
     def _static(self, curve: ResistanceCurve, scenario: ColumnImpact, force: float) -> float:
         """Displacement (m) at which the static resistance first reaches a force (N)."""
         column = scenario.column
-        limit = limits.limit_of(curve, column)
+        limit = columns.limit_of(curve, column)
         ends = [0.0, *(float(v) for v in curve.starts[1:] if v < limit), limit]
         for low, high in pairwise(ends):
             if float(curve.force(high)) >= force:
                 return float(brentq(lambda v: float(curve.force(v)) - force, low, high))
-        raise limits.collapsed(curve, column, limit)
+        raise columns.collapsed(curve, column, limit)

@@ -17,9 +17,8 @@ import numpy as np
 from workbench.compiled import njit
 from workbench.errors import OutOfDomainError
 from workbench.models.resistance import curve as events
-from workbench.models.resistance.curve import Pieces, ResistanceCurve
+from workbench.models.resistance.curve import Groups, Mechanism, Pieces, ResistanceCurve
 from workbench.models.resistance.kernels import PIECE, falling_root
-from workbench.models.resistance.mechanism import Groups, Mechanism
 
 RESISTANCES = ("analytic", "cubic", "linear")
 _MOST_PIECES = 40

@@ -31,9 +31,9 @@ from workbench.models.resistance import (
     SHAPES,
     ResistanceCurve,
     column_curve,
-    limits,
+    columns,
 )
-from workbench.models.resistance.panel import PANEL
+from workbench.models.resistance.columns import PANEL
 from workbench.models.single_dof import march
 from workbench.models.single_dof.pulse import Pushed, moved_masses, pulse_response
 from workbench.models.single_dof.spring import pushed
@@ -127,7 +127,7 @@ class SingleDof(Answering):
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and those of the rigid-bar mechanism and the scheme."""
-        findings = limits.curve_findings(scenario, self.resistance)
+        findings = columns.curve_findings(scenario, self.resistance)
         if isinstance(scenario, ColumnImpact) and self.time_step is not None:
             findings += self._step_findings(scenario, self.time_step)
         return findings
@@ -186,12 +186,12 @@ class SingleDof(Answering):
         run = follow(_ENTRIES[self.integrator], (curve.pieces,), pace, drive, march.RECORD)
         if run.collapsed:
             v, w = (float(run.records[name][-1]) for name in ("displacement", "velocity"))
-            raise limits.collapsed(curve, column, limit, run.progress["time"] - (v - limit) / w)
+            raise columns.collapsed(curve, column, limit, run.progress["time"] - (v - limit) / w)
         return run, curve
 
     def period(self, column: Column) -> float:
         """Shortest period (s) of the impact mass on the resistance. Raises `OutOfDomainError`."""
-        steepest = self.curve(column).unloading_stiffness(limits.reach(column))
+        steepest = self.curve(column).unloading_stiffness(columns.reach(column))
         return 2.0 * pi * sqrt(column.properties.impact_mass / steepest)
 
     def pace(self, column: Column, duration: float, bounces: bool) -> Pace:
@@ -213,9 +213,9 @@ class SingleDof(Answering):
         values: dict[str, Any] = {**run.histories, "input_energy": scenario.input_energy}
         time, _ = values.pop("time"), values.pop("plastic")
         top = float(values["displacement"].max())
-        values["shear_utilisation"], warnings = limits.reached(curve, scenario.column, top)
+        values["shear_utilisation"], warnings = columns.reached(curve, scenario.column, top)
         values |= _scalars(scenario, run, curve)
-        response = build_response(values, time=time, segments=limits.SEGMENTS, warnings=warnings)
+        response = build_response(values, time=time, segments=columns.SEGMENTS, warnings=warnings)
         response.attrs["solve_time"] = solved
         return response
 
@@ -223,11 +223,11 @@ class SingleDof(Answering):
         column, top = scenario.column, scenario.displacement
         curve = self.curve(column)
         if curve.shape == PANEL and curve.lost_at <= top:  # its points end there
-            raise limits.collapsed(curve, column, curve.lost_at)
+            raise columns.collapsed(curve, column, curve.lost_at)
         # the breakpoints are load steps, so that the quadrature of the force is exact
         inner = curve.starts[1:][curve.starts[1:] < top]
         path = np.union1d(np.linspace(0.0, top, _PUSH_STEPS + 1), inner)
-        shear, warnings = limits.reached(curve, column, top)
+        shear, warnings = columns.reached(curve, column, top)
         force = curve.force(path)
         values: dict[str, Any] = {"displacement": path, "force": force, "shear_utilisation": shear}
         if curve.lost_at <= top:
@@ -244,7 +244,7 @@ class SingleDof(Answering):
             values["moment"] = sign * curve.moments(path)
             values["plastic_rotation"] = sign * curve.plastic_rotations(path)
         return build_response(
-            values, steps=len(path), hinges=hinges, segments=limits.SEGMENTS, warnings=warnings
+            values, steps=len(path), hinges=hinges, segments=columns.SEGMENTS, warnings=warnings
         )
 
 
@@ -254,7 +254,7 @@ def _prepared(
 ) -> tuple[ResistanceCurve, float, Pace]:
     """Curve, limit of the displacement (m) and pace of a column, for the next strike."""
     curve = model.curve(column)
-    return curve, limits.limit_of(curve, column), model.pace(column, duration, bounces)
+    return curve, columns.limit_of(curve, column), model.pace(column, duration, bounces)
 
 
 def _scalars(scenario: ColumnImpact, run: Run, curve: ResistanceCurve) -> dict[str, float]:

@@ -13,7 +13,7 @@ from workbench.errors import CollapseError
 from workbench.impact.pace import Pace
 from workbench.impact.records import follow
 from workbench.models.practice.deflected_shape import beam_of
-from workbench.models.resistance import ResistanceCurve, limits
+from workbench.models.resistance import ResistanceCurve, columns
 from workbench.models.single_dof import march
 from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import Column, MemberPulse, Pulse
@@ -66,20 +66,20 @@ def push(
     """
     curve = pushed.curve
     lightest = min(mass for _, mass, _ in pushed.stages)
-    stiffest = curve.unloading_stiffness(limits.reach(column))
+    stiffest = curve.unloading_stiffness(columns.reach(column))
     period = 2.0 * np.pi * np.sqrt(lightest / stiffest)
     longest = min(period / _STEPS_PER_PERIOD, duration / _FEWEST_STEPS)
     steps = min(int(np.ceil(duration / longest)), _MOST_STEPS)
     step = duration / steps
     time = np.linspace(0.0, duration, steps + 1)
     tables = curve.pieces, np.array(pushed.stages), pushed.share * pulse.means(time)
-    limit = limits.limit_of(curve, column)
+    limit = columns.limit_of(curve, column)
     drive = march.no_striker(curve.elastic_limit, limit, pushed.stages[0][1])
     run = follow(march.pulse, tables, Pace.equal(duration, step, steps), drive, march.RECORD)
     records = run.records
     if run.collapsed:
         reached, when = float(records["displacement"][-1]), float(records["time"][-1])
-        raise limits.collapsed(curve, column, reached, when)
+        raise columns.collapsed(curve, column, reached, when)
     values: dict[str, Any] = {name: records[name] for name in ("displacement", "velocity", "force")}
     if pushed.at_hit:
         values |= {name: records[name] for name in ("kinetic", "elastic", "dissipated")}
@@ -101,14 +101,14 @@ def pulse_response(
     time, values = push(pushed, scenario.column, scenario.pulse, scenario.duration)
     solved = perf_counter() - started
     curve, top = pushed.curve, float(values["displacement"].max())
-    shear, warnings = limits.reached(curve, scenario.column, top)
+    shear, warnings = columns.reached(curve, scenario.column, top)
     warnings += pulse_findings(scenario, pushed, top)
     values["load"] = scenario.whole * scenario.pulse.force(time)
     if scenario.load != UNIFORM:  # a line load makes shear of its own
         values["shear_utilisation"] = shear
     if further is not None:
         values |= further(values)
-    response = build_response(values, time=time, segments=limits.SEGMENTS, warnings=warnings)
+    response = build_response(values, time=time, segments=columns.SEGMENTS, warnings=warnings)
     response.attrs["solve_time"] = solved
     return response
 

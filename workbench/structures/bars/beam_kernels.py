@@ -33,7 +33,6 @@ SMALL = 0.01  # of y; below it series
 SERIES_A = (1.0, 1.0 / 3.0, 2.0 / 15.0, 17.0 / 315.0, 62.0 / 2835.0, 1382.0 / 155925.0)
 SERIES_B = (1.0 / 3.0, 1.0 / 45.0, 2.0 / 945.0, 1.0 / 4725.0, 2.0 / 93555.0, 1382.0 / 638512875.0)
 SUBSTEPS = 8
-SWEEPS = 16  # each leaves at most a quarter of what one end gives to the other
 STEEPEST = 9.6  # of y = h^2; a clamped element buckles at pi^2
 LEAST_MODULUS = 1e-3
 ELASTIC_LIMIT = 0.39  # of the squash load, equation 2.6

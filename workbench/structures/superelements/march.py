@@ -17,6 +17,7 @@ from workbench.impact.integrator import (
     begin,
     march_of,
 )
+from workbench.impact.newton import Equations, newton_of
 from workbench.impact.pace import Pace
 from workbench.impact.records import check_end
 from workbench.structures import kernels
@@ -24,8 +25,9 @@ from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import StepEnergies
 from workbench.structures.kernels import copy, largest
 from workbench.structures.superelements import kernels as elements
+from workbench.structures.superelements import step_kernels as step
 from workbench.structures.superelements.group import Superelements, SuperelementState
-from workbench.structures.superelements.step_kernels import Body, Motion, Work, dot, newton
+from workbench.structures.superelements.step_kernels import Body, Motion, Work, dot
 from workbench.structures.time_steps import PointMass
 
 LONGER = 1.5  # times as long a step may be as the one before: with 2 peaks are ten times as far off
@@ -38,7 +40,7 @@ LEDGER = np.dtype([(name, float) for name in SUMS])
 
 
 class CollapseLimits(NamedTuple):
-    """Beyond what a structure has collapsed; why it has is for `frames.collapse_watch` to say.
+    """Beyond what a structure has collapsed; why it has is for `frames.collapse` to say.
 
     Movement of the ends of a member `sideways` over its length; `contraction` of a line of members
     over its length; least `length` of an element over its first one. Of each member the number of
@@ -73,6 +75,9 @@ class System(NamedTuple):
     states: SuperelementState
 
 
+newton = newton_of(Equations(step.vectors, step.evaluate, step.allowed, step.aim, step.bend))
+
+
 @inner
 def hit(s):
     """Place and velocity of the struck dof along the strike."""
@@ -95,7 +100,7 @@ def solve(s, dt, closed, touch, striker):
     copy(motion.old.carried, motion.new.carried)
     done, residual, evaluations = False, 0.0, 0
     for _ in range(REPEATS):
-        done, residual, count = newton(body, motion, work, dt, closed, touch, striker)
+        done, residual, count = newton(s, dt, closed, touch, striker)
         evaluations += count
         if not done or abs(dot(work.residual, work.moved)) <= WORK * body.energy:
             break

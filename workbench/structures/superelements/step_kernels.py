@@ -1,4 +1,4 @@
-"""The equations of a time step of superelements with a striker, and Newton's method for them.
+"""The equations of a time step of superelements with a striker, for Newton's method.
 
 A midpoint step solves M (v1 - v0) / dt + f = p + w P / dt with v1 = 2 (x1 - x0) / dt - v0 and
 energy-exact forces f; a closed contact eliminates the impulse P. Axial vibrations of the bars are
@@ -7,20 +7,21 @@ not resolved: the scheme keeps their energy at any step.
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from workbench.arrays import Array, Indices
-from workbench.impact.contact import called, inner
-from workbench.structures import kernels
+from workbench.impact.contact import inner
 from workbench.structures.elements import Step
-from workbench.structures.kernels import add_inertia, copy, largest
+from workbench.structures.kernels import (
+    add_inertia,
+    allowed_residual,
+    band_product,
+    copy,
+    hold,
+    largest,
+    solve_band,
+)
 from workbench.structures.superelements.kernels import assemble
 
-ITERATIONS, SEARCHES = 25, 8
-LARGEST_CUT, SMALLEST_CUT = 0.9, 0.1  # bounds of a regula-falsi factor
-CLOSEST = 0.02  # of a bracket, to its ends, that the tangent along a step may lead
 LARGEST_TURN = 0.03  # rad of a node in an iteration; beyond it a spring holds it back
-FALLEN = 0.1  # of the residual, with which a step is taken whatever its slope
 
 
 class Body(NamedTuple):
@@ -77,7 +78,7 @@ class Work(NamedTuple):
     band: Array
     kept: Array
     x: Array
-    trial: Array
+    start: Array
     moved: Array
     given: Array
     internal: Array
@@ -87,13 +88,20 @@ class Work(NamedTuple):
     pivots: Indices
 
 
-@called
-def evaluate(body, motion, work, dt, closed, touch, striker, x):
-    """Residual and tangent of a step of `dt` (s) that ends at displacements `x`.
+@inner
+def vectors(s):
+    """Displacements at the end of the step, where Newton's step began, that step, the residual."""
+    return s.work.x, s.work.start, s.work.step, s.work.residual
+
+
+@inner
+def evaluate(s, dt, closed, touch, striker):
+    """Residual and tangent of a step of `dt` (s) that ends at `work.x`; size of the residual.
 
     A `closed` contact ends the step with the velocity `touch` of the `striker` (kg), before what P
     takes.
     """
+    body, motion, work, x = s.body, s.motion, s.work, s.work.x
     factor = 2.0 / (dt * dt)
     for i in range(work.band.size):
         work.band[i] = factor * body.mass[i]
@@ -121,27 +129,44 @@ def evaluate(body, motion, work, dt, closed, touch, striker, x):
 
 
 @inner
+def allowed(s, dt, size):
+    """Residual of a solved step, `size` that of the first guess."""
+    body, motion = s.body, s.motion
+    least = body.tolerance * max(motion.force[0], largest(body.load), 1e-3 * size)
+    reach = max(largest(motion.x), body.shortest)
+    return allowed_residual(least, s.work.band, body.width, reach)
+
+
+@inner
+def aim(s):
+    """Write Newton's step; False if there is none."""
+    body, work = s.body, s.work
+    hold(work.band, body.width, body.held, work.x.size)
+    copy(work.band, work.kept)
+    for i in range(work.x.size):
+        work.step[i] = -work.residual[i]
+    if not solve_band(work.band, body.width, work.step, work.pivots):
+        return False
+    for i in range(2, work.x.size, 3):  # rotations: a node has u, v and that
+        if abs(work.step[i]) > LARGEST_TURN:
+            return _hold_back(body, work)
+    return True
+
+
+@inner
+def bend(s):
+    """Return d'Kd of the step d with the tangent K."""
+    band_product(s.work.band, s.body.width, s.work.step, s.work.pull)
+    return dot(s.work.step, s.work.pull)
+
+
+@inner
 def dot(a, b):
     """Scalar product."""
     total = 0.0
     for i in range(a.size):
         total += a[i] * b[i]
     return total
-
-
-@inner
-def _aim(body, work):
-    """Write Newton's step; False if there is none."""
-    kernels.hold(work.band, body.width, body.held, work.x.size)
-    copy(work.band, work.kept)
-    for i in range(work.x.size):
-        work.step[i] = -work.residual[i]
-    if not kernels.solve_band(work.band, body.width, work.step, work.pivots):
-        return False
-    for i in range(2, work.x.size, 3):  # rotations: a node has u, v and that
-        if abs(work.step[i]) > LARGEST_TURN:
-            return _hold_back(body, work)
-    return True
 
 
 @inner
@@ -161,58 +186,4 @@ def _hold_back(body, work):
             work.kept[at] += (turn - 1.0) * soft
     for i in range(work.x.size):
         work.step[i] = -work.residual[i]
-    return kernels.solve_band(work.kept, body.width, work.step, work.pivots)
-
-
-@inner
-def newton(body, motion, work, dt, closed, touch, striker):
-    """Solve a step from `work.x`, as `newton` of `structures/equilibrium` does.
-
-    A step is taken for its residual only where that falls to `FALLEN`: with halves, steps in which
-    all hinges of a joint yield take a sixth more evaluations. The line search follows the tangent
-    of its last point where that stays inside the bracket: hinges unload at a kink, on whose far
-    side the step is steep.
-    Result: whether it converged, the residual over the allowed one, number of evaluations.
-    """
-    size = evaluate(body, motion, work, dt, closed, touch, striker, work.x)
-    allowed = kernels.allowed_residual(
-        body.tolerance * max(motion.force[0], largest(body.load), 1e-3 * size),
-        work.band, body.width, max(largest(motion.x), body.shortest),
-    )  # fmt: skip
-    evaluations, n = 1, work.x.size
-    for _ in range(ITERATIONS):
-        if size <= allowed and evaluations > 1:  # where a step starts may be right by chance
-            return True, size / allowed, evaluations
-        solved = _aim(body, work)
-        if not (solved and np.isfinite(size)):
-            break
-        slope = dot(work.step, work.residual)
-        low, slope_low, high, slope_high = 0.0, slope, np.nan, np.nan
-        s, new_size = 1.0, size
-        for _search in range(SEARCHES):
-            for i in range(n):
-                work.trial[i] = work.x[i] + s * work.step[i]
-            new_size = evaluate(body, motion, work, dt, closed, touch, striker, work.trial)
-            evaluations += 1
-            new_slope = dot(work.step, work.residual)
-            if abs(new_slope) <= 0.5 * abs(slope) or new_size <= FALLEN * size:
-                break
-            finite = np.isfinite(new_slope)
-            if finite and new_slope * slope > 0.0 and np.isnan(high):
-                break  # no sign change in reach: take the step, the tangent will follow
-            if not finite or new_slope * slope <= 0.0:
-                high, slope_high = s, new_slope
-            else:
-                low, slope_low = s, new_slope
-            kernels.band_product(work.band, body.width, work.step, work.pull)
-            bend = dot(work.step, work.pull)
-            share = (s - new_slope / bend - low) / (high - low)
-            if not CLOSEST < share < 1.0 - CLOSEST:
-                share = 0.5
-                if np.isfinite(slope_high):
-                    share = slope_low / (slope_low - slope_high)
-                    share = min(max(share, SMALLEST_CUT), LARGEST_CUT)
-            s = low + share * (high - low)
-        copy(work.trial, work.x)
-        size = new_size
-    return size <= kernels.STALLED * allowed, size / allowed, evaluations
+    return solve_band(work.kept, body.width, work.step, work.pivots)
