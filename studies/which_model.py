@@ -16,7 +16,7 @@ from scipy.stats import qmc
 
 from workbench.cli import main
 from workbench.evidence.descriptors import DEMAND as SHEAR
-from workbench.evidence.descriptors import STRIKER, descriptors
+from workbench.evidence.descriptors import STRIKER, features
 from workbench.materials import Steel
 from workbench.models.domain import euler_load, shear_demand
 from workbench.models.energy_estimate import EnergyEstimate
@@ -132,7 +132,7 @@ def stratified(seed: int, quotas: np.ndarray) -> Iterator[tuple[ColumnImpact, in
     left, number = quotas.copy(), 0
     for index, point in enumerate(qmc.Sobol(14, seed=seed).random(2**14)):
         impact = drawn(point, number, bool(index % 2))
-        values = descriptors(impact)
+        values = features(impact)
         cell = (
             int(np.searchsorted(RATIOS, values[STRIKER], "right")),
             int(np.searchsorted(DEMANDS, values[SHEAR], "right")),
@@ -155,7 +155,7 @@ def case_of(impact: ColumnImpact, number: int) -> Case:
     present = {SOLID: number % SOLIDS == SOLIDS // 2, BEAM: number % BEAMS == 0}
     present[COARSE] = number % COARSES == 5
     present[REFINED] = number % REFINEMENTS == 5
-    values = descriptors(impact)
+    values = features(impact)
     return Case(
         name,
         replace(impact, name=name),

@@ -3,7 +3,7 @@
 from math import pi, sqrt
 
 from workbench.errors import OutOfDomainError
-from workbench.evidence.descriptors import DEMAND, FEATURES, WORDS, features
+from workbench.evidence.descriptors import DEMAND, FEATURES, features
 from workbench.frames.column_estimate import column_like
 from workbench.models.domain import shear_demand
 from workbench.models.practice.biggs import Biggs
@@ -14,11 +14,11 @@ LOADED, LASTS = "loaded_over_length", "impulse_over_force_and_period"
 DRAWN_SHAPES = ("rectangular", "triangular", "exponential", "friedlander")
 PULSE_FEATURES = {
     LOADED: "loaded length over length",
-    DEMAND: WORDS[DEMAND],
+    DEMAND: FEATURES[DEMAND],
     LASTS: "impulse over largest force and period",
     "force_over_resistance": "largest force over the resistance of the mechanism",
     "direct_shear": "half of a force at a point over Vpl",
-    "axial_over_squash": WORDS["axial_over_squash"],
+    "axial_over_squash": FEATURES["axial_over_squash"],
     "shorter_over_length": FEATURES["shorter_over_length"],
 }
 
