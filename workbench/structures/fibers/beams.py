@@ -136,6 +136,8 @@ class FiberBeams(FiberElements):
         rule = gauss_rule(len(np.atleast_1d(section_of))) if rule is None else rule
         spread = np.zeros_like(rule.weights)
         if balanced:
+            if rule.weights.shape[1] != 2:
+                raise ValueError("the axial force can be balanced between two points only")
             # no mean: sum(w spread) = 0
             spread = rule.weights[:, ::-1] * np.array([1.0, -1.0])
         self._points = rule._replace(spread=spread)
