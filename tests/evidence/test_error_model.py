@@ -5,10 +5,14 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from math import inf, isfinite
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from workbench.cli import run
 from workbench.errors import Collapse, CollapseError, Mechanism
 from workbench.evidence import error_model
 from workbench.evidence.error_model import anchor_peak, expected_error, truth_ratio, widened
@@ -21,9 +25,12 @@ from workbench.evidence.error_table import (
     TRUTH,
     ends_of,
 )
+from workbench.models.superelements import FlexibleSuperelement
+from workbench.references.fiber_shear import FiberShear
 from workbench.registry import make_model
 from workbench.responses import Outcome, build_response, collapsed_response, failed_response
 from workbench.scenarios import ColumnImpact, scenario_from
+from workbench.study import Case, Study
 
 JUDGED = COLUMNS.rows[np.isfinite(COLUMNS.ratios)]
 
@@ -107,7 +114,7 @@ def test_intervals_hold_nine_of_ten_columns_that_they_were_not_made_of() -> None
 def test_the_same_truth_is_expected_whatever_the_model(stored) -> None:
     """The interval of the truth is that of the anchor, in units of the answer."""
     hit = drawn(JUDGED.iloc[0])
-    values = truth_ratio(hit).values
+    values, *_ = truth_ratio(hit)
     low, high = ends_of(len(values))
     truths = stored[hit.name] * np.exp(values)
     for factor in (0.5, 1.0, 1.3):
@@ -212,3 +219,29 @@ def test_the_doubt_about_the_reference_adds_in_quadrature() -> None:
     assert moved[high] - 0.02 == pytest.approx(np.hypot(values[high], half))
     assert 0.02 - moved[low] == pytest.approx(np.hypot(values[low], half))
     assert np.all(np.diff(moved) > 0.0)
+
+
+def test_the_verb_measures_a_table_and_goes_on_where_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two of the shipped columns again, with their peaks and features; no other table is known."""
+    rows = JUDGED.sort_values("time.duration").iloc[:2]
+    models = {"beam": FiberShear(levels=1), "anchor": FlexibleSuperelement()}
+    cases = tuple(Case(row["case"], drawn(row)) for _, row in rows.iterrows())
+    small = Study("small", "Small", "How far off?", cases, models, "beam")
+    monkeypatch.setattr(
+        "workbench.study.load_study", lambda name: SimpleNamespace(study=small, file=None)
+    )
+    target = tmp_path / "columns.csv"
+    ask = ["data", "measure", "columns", "--store", str(tmp_path), "--out", str(target), "--json"]
+    for stored in (0, 4):
+        assert run([*ask, "--jobs", "0"]) == 0
+        captured = capsys.readouterr()
+        assert json.loads(captured.out)["judged"] == 2
+        assert f"{stored} already stored" in captured.err
+    table = pd.read_csv(target)
+    assert list(table["reference_state"]) == ["ok", "ok"]
+    for name in (TRUTH, ANCHOR, *COLUMNS.words):
+        assert list(table[name]) == pytest.approx(list(rows[name]), rel=1e-3, abs=1e-9)
+    assert run(["data", "measure", "shear_columns"]) == 2
+    assert "table = 'shear_columns': must be one of columns" in capsys.readouterr().err
