@@ -12,7 +12,6 @@ from workbench.models.practice.biggs import Biggs
 from workbench.models.practice.deflected_shape import Beam, beam_of
 from workbench.models.practice.hand_estimate import mechanism_load, plastic_moment
 from workbench.responses import energy_error, warnings_of
-from workbench.scenarios import MemberPulse, Pulse
 
 MID, THIRDS = (0.0, 0.5, 1.0), (0.0, 1 / 3, 0.5, 2 / 3, 1.0)
 UNIFORM, POINT = (0.0,), (1.0,)
@@ -101,15 +100,6 @@ def test_a_blow_meets_the_mass_of_the_stage_it_leads_to(thesis_impact) -> None:
         assert energy_error(response) < 1e-12
     given = replace(thesis_impact, column=replace(column, impact_mass=80.0))
     assert model.with_mass(given) is given
-
-
-def test_shapes_that_differ_too_much_are_said_of_pulses(thesis_impact) -> None:
-    pulse = Pulse("triangular", 1e6, 0.01)
-    middle = replace(thesis_impact.column, length_below=2.0, length_above=2.0)
-    for column, differ in ((thesis_impact.column, True), (middle, False)):
-        scenario = MemberPulse("pulse", column, pulse, "point", 0.05)
-        found = {finding.subject for finding in Biggs().domain(scenario)}
-        assert ("shapes" in found) == differ
 
 
 def test_what_flexure_alone_leaves_out_is_said(thesis_impact) -> None:

@@ -53,9 +53,6 @@ _BECAUSE = {  # subjects of warnings that a measured error replaces, as its caus
     "dead-moments": "dead loads bend the column",
     "restraint": "the frame gives way to the spring",
     "direct-shear": "webs yield in direct shear",
-    "short-pulse": "the pulse is short",
-    "sensitive": "the load is near the resistance",
-    "shapes": "the deflected shape changes",
     "head-mass": "the head mass is left out",
 }
 

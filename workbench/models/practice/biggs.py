@@ -16,12 +16,11 @@ from workbench.models.resistance import curve as events
 from workbench.models.resistance.kernels import PIECE
 from workbench.models.single_dof import SingleDof
 from workbench.models.single_dof.pulse import Pushed, pulse_response
-from workbench.responses import Finding, Response, finding
+from workbench.responses import Response
 from workbench.scenarios import Column, ColumnImpact, ColumnScenario, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
 
 _PLACES = ("base", "hit", "head")  # nodes of the beam
-_ALIKE = 1.5  # largest ratio of equivalent masses without a warning: that of a force at midspan
 
 
 @dataclass(frozen=True)
@@ -59,18 +58,6 @@ class Biggs(SingleDof):
     def curve(self, column: Column, uniform: bool = False) -> ResistanceCurve:
         """As that of `single-dof`. Raises `OutOfDomainError`."""
         return stage_curve(column, self.stages(column, uniform), uniform)
-
-    def domain(self, scenario: ColumnScenario) -> list[Finding]:
-        """Findings of the single-DOF column, and shapes too different to follow each other."""
-        findings = super().domain(scenario)
-        if not isinstance(scenario, MemberPulse):
-            return findings
-        stages = self.stages(scenario.column, scenario.load == UNIFORM)
-        factors = [stage.load_mass_factor for stage in stages]
-        spread = max(factors) / min(factors)
-        if spread > _ALIKE:
-            findings.append(finding("shapes", spread, least=min(factors), most=max(factors)))
-        return findings
 
     def with_mass(self, scenario: ColumnImpact) -> ColumnImpact:
         """The impact with the mass (kg) of the stage to which the energy of the blow leads."""

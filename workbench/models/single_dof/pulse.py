@@ -1,7 +1,6 @@
 """A column on its resistance curve under a force over time: steps, histories, response."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from functools import lru_cache
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -9,20 +8,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.errors import CollapseError
 from workbench.impact.pace import Pace
 from workbench.impact.records import follow
 from workbench.models.practice.deflected_shape import beam_of
 from workbench.models.resistance import ResistanceCurve, columns
 from workbench.models.single_dof import march
-from workbench.responses import Finding, Response, build_response, finding
+from workbench.responses import Response, build_response
 from workbench.scenarios import Column, MemberPulse, Pulse
 from workbench.scenarios.pulse import UNIFORM
 
 _STEPS_PER_PERIOD = 64  # of the lightest mass on the steepest stiffness
 _FEWEST_STEPS, _MOST_STEPS = 400, 1_000_000
-_SHORT = 0.2  # impulse over force and period; on shorter ones fiber beams go 10 to 100 % further
-_STRONGER, _MUCH = 1.05, 0.25  # pulse to try, and growth of the peak that is sensitive
 
 
 class Pushed(NamedTuple):
@@ -102,7 +98,6 @@ def pulse_response(
     solved = perf_counter() - started
     curve, top = pushed.curve, float(values["displacement"].max())
     shear, warnings = columns.reached(curve, scenario.column, top)
-    warnings += pulse_findings(scenario, pushed, top)
     values["load"] = scenario.whole * scenario.pulse.force(time)
     if scenario.load != UNIFORM:  # a line load makes shear of its own
         values["shear_utilisation"] = shear
@@ -111,27 +106,3 @@ def pulse_response(
     response = build_response(values, time=time, segments=columns.SEGMENTS, warnings=warnings)
     response.attrs["solve_time"] = solved
     return response
-
-
-def pulse_findings(scenario: MemberPulse, pushed: Pushed, top: float) -> list[Finding]:
-    """Where one degree of freedom stops answering a pulse that has moved it to `top` (m).
-
-    Warnings: a pulse far shorter than the period, as waves and hinges then travel before the member
-    has its static shape; a peak that a pulse of 5 % more takes far on.
-    """
-    curve, pulse, findings = pushed.curve, scenario.pulse, []
-    period = 2.0 * np.pi * np.sqrt(pushed.stages[0][1] / curve.initial_stiffness)
-    short = (pulse.end if pulse.times else pulse.whole / pulse.peak) / period
-    yields = top > curve.elastic_limit
-    if short < _SHORT and pulse.shape != "ramp" and (yields or scenario.load != UNIFORM):
-        findings.append(finding("short-pulse", short))
-    stronger = replace(pulse, peak=_STRONGER * pulse.peak)
-    try:
-        _, values = push(pushed, scenario.column, stronger, scenario.duration)
-        growth = float(values["displacement"].max()) / top - 1.0
-    except CollapseError:
-        growth = np.inf
-    if growth > _MUCH:
-        further = "to collapse" if growth == np.inf else f"{100.0 * growth:.0f} % further"
-        findings.append(finding("sensitive", min(growth, 1e3), further=further))
-    return findings
