@@ -103,7 +103,7 @@ def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Fin
     fewest = min((each for n, each in enumerate(parts) if n not in steel), default=_ENOUGH)
     light = []
     if share < 1.0 and fewest < _ENOUGH:
-        wanted = _ENOUGH
+        wanted = max(_ENOUGH, *parts)  # fewer beside the node share more mass with the striker
         light = [finding("light-striker", share, share=share, fewest=fewest, wanted=wanted)]
     if lost <= _MUCH_SHARED:
         return light
