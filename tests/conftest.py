@@ -26,16 +26,20 @@ settings.register_profile(
     derandomize=True,
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow],
-    max_examples=50,
+    max_examples=30,
 )
 settings.register_profile("long", settings.get_profile("repeatable"), max_examples=100)
 settings.load_profile("repeatable")
 
 
-# shares of about the same time; the panels of the second are in the cache when it gets to them
+# shares of about the same time: all that tests compile for seconds, so that no worker has to; the
+# panels of the second are in the cache when it gets to them
 KERNELS = (
-    ("four-dof", "solid-plane-stress"),
-    ("fiber-reissner", "fiber-corotational", "single-dof", "rigid-superelement"),
+    (
+        *("four-dof", "solid-plane-stress", "fiber-reissner", "fiber-corotational"),
+        *("force-based-beam", "fiber-hinge"),
+    ),
+    ("single-dof", "soft-impact", "giberson", "rigid-superelement"),
 )
 
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from builders import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.errors import InputError
@@ -154,7 +155,7 @@ def test_full_shear_leaves_the_flanges() -> None:
 
 
 @given(name=names, seed=st.integers(0, 10_000))
-@settings(max_examples=60)
+@examples(100)
 def test_the_domain_is_convex(name: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
     points = inside(SURFACES[name], rng, 40)
@@ -162,7 +163,7 @@ def test_the_domain_is_convex(name: str, seed: int) -> None:
 
 
 @given(name=names, trial=trials, seed=st.integers(0, 10_000))
-@settings(max_examples=150)
+@examples(250)
 def test_the_projection_is_the_nearest_admissible_point(name, trial, seed) -> None:
     surface = SURFACES[name]
     start = np.array(trial[:4]) * 10.0 ** trial[4] * strengths(surface)
@@ -187,7 +188,7 @@ def differences(solve, at: np.ndarray, steps: np.ndarray) -> np.ndarray:
 
 
 @given(trial=trials)
-@settings(max_examples=80)
+@examples(150)
 def test_tangent_against_differences(trial) -> None:
     start = np.array(trial[:4]) * 10.0 ** trial[4] * strengths(HEB)
     _, tangent = project_panel(HEB, STIFFNESS, start)
@@ -270,7 +271,7 @@ RIGID = (1.0 / STIFFNESS[0], 1.0 / STIFFNESS[2], 0.0, 1.0 / STIFFNESS[3])
 @pytest.mark.parametrize("flexibility", [FLEXIBLE, RIGID], ids=["flexible", "rigid"])
 @pytest.mark.parametrize("pinned", [(False, False), (True, False), (False, True)])
 @given(name=st.sampled_from(["HEB 220", "square"]), trial=trials, seed=st.integers(0, 10_000))
-@settings(max_examples=40)
+@examples(80)
 def test_elements_are_the_nearest_admissible_state_in_equilibrium(
     flexibility, pinned, name, trial, seed
 ) -> None:

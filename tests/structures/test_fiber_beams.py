@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from beam_cases import E_STEEL, KINDS, YIELD, chain, clamp, of_kind, rectangle
-from hypothesis import given, settings
+from builders import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from section_cases import response
 
@@ -51,7 +52,7 @@ def test_tangent_by_finite_differences(kind, weight):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@settings(max_examples=25)
+@examples(60)
 @given(
     seed=st.integers(0, 10_000),
     weight=st.sampled_from([0.5, 0.55, 0.8, 1.0]),

@@ -4,8 +4,9 @@ from math import inf
 
 import numpy as np
 import pytest
+from builders import examples
 from generalized_hinge import GeneralizedHinge
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from primal_condensation import flexible, rigid
 from superelement_cases import (
@@ -72,7 +73,7 @@ def test_tangent_by_finite_differences(variant, weight, size):
 
 
 @pytest.mark.parametrize("variant", GEOMETRIES)
-@settings(max_examples=40)
+@examples(80)
 @given(
     seed=st.integers(0, 10_000),
     weight=st.sampled_from([0.5, 0.55, 1.0]),

@@ -89,7 +89,7 @@ def test_every_column_model_is_held_to_it() -> None:
 
 
 @pytest.mark.parametrize(("name", "options"), REDUCED)
-@examples(4)
+@examples(7)
 @given(
     st.sampled_from((0.125, 0.25, 0.5, 4.0)),
     st.sampled_from(("I", "square")),
