@@ -8,23 +8,30 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from workbench.fields import Choice, Number, checked
-from workbench.models.base import Answering
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
-from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, column_curve, columns
+from workbench.models.resistance import (
+    INTERACTIONS,
+    SECTION,
+    SHAPES,
+    OnCurve,
+    Resistance,
+    column_curve,
+    columns,
+)
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, ColumnScenario
 
 
 @dataclass(frozen=True)
-class EnergyEstimate(Answering):
+class EnergyEstimate(OnCurve):
     """Energy-equivalent displacements.
 
-    Options: `resistance`: analytic, cubic, linear or panel, as in the single-DOF column;
+    Options: `resistance`: analytic, cubic, linear, panel or NAME.csv, as in the single-DOF column;
     `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6; None: as in
     `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`.
     """
 
-    resistance: str = checked(Choice(SHAPES), "analytic")
+    resistance: str = checked(Resistance(SHAPES), "analytic")
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
     interaction: str = checked(Choice(INTERACTIONS), SECTION)
     hit_mass: str = checked(HIT_MASS, THESIS)
@@ -56,7 +63,8 @@ class EnergyEstimate(Answering):
     def _solve(self, scenario: ColumnImpact) -> Response:
         column = scenario.column
         spring = self.rotational_stiffness, self.resistance, self.interaction
-        curve = column_curve(column, *spring)
+        data = "" if self.resistance in SHAPES else self.data_digest
+        curve = column_curve(column, *spring, data=data)
         energy = energy_to_absorb(with_hit_mass(scenario, self.hit_mass))
         limit = columns.limit_of(curve, column)
         if energy >= curve.work(limit):

@@ -22,13 +22,14 @@ from workbench.impact.contact import uncounted
 from workbench.impact.integrator import DRIVE, Model, begin, march_of, no_flow
 from workbench.impact.pace import Pace
 from workbench.impact.records import follow
-from workbench.models.base import Answering
 from workbench.models.domain import shear_warnings
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import (
     INTERACTIONS,
     SECTION,
     SHAPES,
+    OnCurve,
+    Resistance,
     ResistanceCurve,
     column_curve,
     columns,
@@ -107,7 +108,7 @@ def impact(pieces, drive, progress, records):
 
 
 @dataclass(frozen=True)
-class SoftImpact(Answering):
+class SoftImpact(OnCurve):
     """Two masses on two springs: what of the vehicle crushes, and the column.
 
     Options: `striker_stiffness` in N/m of what crushes (300 kN/m: cars, EN 1991-1-7, Annex C);
@@ -117,7 +118,7 @@ class SoftImpact(Answering):
 
     striker_stiffness: float = checked(Number(1.0, 1e12, "N/m"), VEHICLE_STIFFNESS)
     crush_force: float | None = checked(Number(1.0, 1e12, "N"), optional=True)
-    resistance: str = checked(Choice(SHAPES), "analytic")
+    resistance: str = checked(Resistance(SHAPES), "analytic")
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
     interaction: str = checked(Choice(INTERACTIONS), SECTION)
     hit_mass: str = checked(HIT_MASS, THESIS)
@@ -141,7 +142,8 @@ class SoftImpact(Answering):
     def curve(self, scenario: ColumnImpact) -> ResistanceCurve:
         """Resistance of the column at its hit point. Raises `OutOfDomainError`."""
         spring = self.rotational_stiffness, self.resistance, self.interaction
-        return column_curve(scenario.column, *spring)
+        data = "" if self.resistance in SHAPES else self.data_digest
+        return column_curve(scenario.column, *spring, data=data)
 
     def domain(self, scenario: ColumnImpact) -> list[Finding]:
         """Findings of all models on a resistance curve, of shear those of the run."""

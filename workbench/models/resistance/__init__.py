@@ -1,4 +1,4 @@
-"""Resistance of the column at its hit point: analytic, two simplifications, panels."""
+"""Resistance of the column at its hit point: analytic, two simplifications, panels, given."""
 
 from workbench.models.resistance.columns import SHAPES as SHAPES
 from workbench.models.resistance.columns import column_curve as column_curve
@@ -8,5 +8,7 @@ from workbench.models.resistance.curve import Mechanism as Mechanism
 from workbench.models.resistance.curve import ResistanceCurve as ResistanceCurve
 from workbench.models.resistance.curve import axial_flexibility as axial_flexibility
 from workbench.models.resistance.curve import mechanism_of as mechanism_of
+from workbench.models.resistance.given import OnCurve as OnCurve
+from workbench.models.resistance.given import Resistance as Resistance
 from workbench.models.resistance.shapes import RESISTANCES as RESISTANCES
 from workbench.models.resistance.shapes import resistance_curve as resistance_curve

@@ -18,10 +18,16 @@ from workbench.errors import Collapse, CollapseError, OutOfDomainError, SolverEr
 from workbench.errors import Mechanism as Fall
 from workbench.frames.collapse import COLLAPSE_SIDEWAYS
 from workbench.hinges import ShearSurface
-from workbench.models.domain import member_findings
+from workbench.models.domain import buckling_findings, member_findings
 from workbench.models.four_dof import FourDofShear
-from workbench.models.resistance.curve import SECTION, Mechanism, ResistanceCurve, mechanism_of
-from workbench.models.resistance.kernels import PIECE
+from workbench.models.resistance.curve import (
+    SECTION,
+    Mechanism,
+    ResistanceCurve,
+    mechanism_of,
+    straight_pieces,
+)
+from workbench.models.resistance.given import GIVEN, given_curve
 from workbench.models.resistance.shapes import RESISTANCES, resistance_curve
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnPushover, ColumnScenario, MemberPulse
@@ -85,13 +91,7 @@ def panel_curve(
     )
     at = np.concatenate([[0.0], at])
     f = np.interp(at, v, force)
-    pieces = np.zeros(len(at) - 1, PIECE)
-    pieces["start"], pieces["c"][:, 0], pieces["c"][:, 1] = (
-        at[:-1],
-        f[:-1],
-        np.diff(f) / np.diff(at),
-    )
-    return ResistanceCurve("panel", mechanism, pieces, limit)
+    return ResistanceCurve("panel", mechanism, straight_pieces(at, f), limit)
 
 
 @lru_cache(maxsize=256)
@@ -101,13 +101,18 @@ def column_curve(
     shape: str,
     interaction: str = SECTION,
     uniform: bool = False,
+    data: str = "",
 ) -> ResistanceCurve:
     """Resistance of a column at its hit point, by the name of its shape; kept for the next strike.
 
-    To a force there, or to half of a `uniform` load, which does the same work on rigid bars.
-    Raises `OutOfDomainError`, see `mechanism_of`, `resistance_curve` and `panel_curve`.
+    To a force there, or to half of a `uniform` load, which does the same work on rigid bars. Of a
+    curve that is given `data` is the digest of its points, so that it is not kept for others.
+    Raises `OutOfDomainError`, see `mechanism_of`, `resistance_curve` and `panel_curve`, and
+    `InputError` of a file, see `given_curve`.
     """
     mechanism = mechanism_of(column, rotational_stiffness, interaction, uniform)
+    if data:
+        return given_curve(mechanism, shape)
     if shape == PANEL:
         return panel_curve(column, mechanism, rotational_stiffness)
     return resistance_curve(mechanism, shape)
@@ -124,17 +129,23 @@ def reach(column: Column) -> float:
 
 
 def limit_of(curve: ResistanceCurve, column: Column) -> float:
-    """Displacement (m) at which the column on its resistance `curve` has collapsed."""
-    return min(reach(column), curve.lost_at)
+    """Displacement (m) at which the column has collapsed, or its `curve` ends."""
+    return min(reach(column), curve.lost_at, curve.end)
 
 
 def collapsed(
     curve: ResistanceCurve, column: Column, displacement: float, time: float | None = None
-) -> CollapseError:
+) -> CollapseError | OutOfDomainError:
     """How a column collapses that has come to the limit of its resistance `curve`.
 
     Arguments: the `displacement` (m) that it has reached, at a `time` (s; None: not known).
+    No collapse is the end of a curve that was given.
     """
+    if curve.end * (1.0 + 1e-9) < min(curve.lost_at, reach(column)):
+        return OutOfDomainError(
+            f"the resistance curve that is given ends at {curve.end:.4g} m, the column goes on: "
+            "give points beyond"
+        )
     if curve.lost_at <= reach(column):
         collapse = Collapse(Fall.BUCKLING, SEGMENTS, displacement, time)
         return CollapseError(collapse, "the column has lost its resistance to the axial load")
@@ -151,10 +162,12 @@ def out_of_reach(column: Column, displacement: float, time: float | None = None)
 def curve_findings(scenario: ColumnScenario, shape: str) -> list[Finding]:
     """Findings of all member models, and those of every model on a resistance curve.
 
-    Of the shape of panels those of the four-DOF column with them.
+    Of the shape of panels those of the four-DOF column with them; a curve that is given may know
+    shear, so that no bound of it is told.
     Warning: a head mass, which a pulse moves here without. Refusal: a push beyond their reach.
     """
     domain = FourDofShear().domain if shape == PANEL else member_findings
+    domain = domain if shape in SHAPES else buckling_findings
     findings = list(domain(scenario))
     column = scenario.column
     if column.head_mass > 0.0 and isinstance(scenario, MemberPulse):
@@ -183,9 +196,9 @@ def reached(
 def _analytic_companion(curve: ResistanceCurve) -> ResistanceCurve | None:
     """The analytic curve of the same mechanism (None where its derivation does not hold).
 
-    The curve of panels simplifies no other one.
+    The curve of panels, and one that is given, simplify no other one.
     """
-    if curve.shape in ("analytic", PANEL):
+    if curve.shape in ("analytic", PANEL, GIVEN):
         return curve if curve.knows_moments else None
     try:
         return resistance_curve(curve.mechanism, "analytic")
@@ -203,7 +216,7 @@ def _reached_findings(
     """
     findings = []
     rotation = displacement / min(curve.mechanism.lengths)
-    if rotation > _ROTATION and curve.shape != PANEL:
+    if rotation > _ROTATION and curve.shape not in (PANEL, GIVEN):
         findings.append(finding("small-rotations", rotation=rotation, displacement=displacement))
     if companion is not None and companion is not curve and displacement > 0.0:
         exact = float(companion.work(displacement))

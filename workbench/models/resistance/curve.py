@@ -145,6 +145,14 @@ def _first(values: Array) -> Array:
     return values.T if values.ndim < 3 else np.moveaxis(values, -1, 0)
 
 
+def straight_pieces(v: Array, force: Array) -> Pieces:
+    """Pieces of the straight lines between points: displacements (m) from 0 on, and forces (N)."""
+    pieces = np.zeros(len(v) - 1, kernels.PIECE)
+    pieces["start"], pieces["c"][:, 0] = v[:-1], force[:-1]
+    pieces["c"][:, 1] = np.diff(force) / np.diff(v)
+    return pieces
+
+
 class Event(NamedTuple):
     """Something that happens along a curve: its name, displacement (m) and force (N)."""
 
@@ -159,13 +167,15 @@ class ResistanceCurve:
 
     Arguments: `shape`, its name; `mechanism` it belongs to; `pieces`; `elastic_limit`,
     displacement of the first yielding (m). The cubic shape does not know the axial force, and
-    only the analytic one the hinge moments. Negative displacements mirror the curve.
+    only the analytic one the hinge moments. `end`, displacement (m) behind which nothing is known
+    of a curve that was given. Negative displacements mirror the curve.
     """
 
     shape: str
     mechanism: Mechanism
     pieces: Pieces
     elastic_limit: float
+    end: float = inf
 
     def __post_init__(self) -> None:
         kernels.sum_up(self.pieces)
@@ -259,8 +269,8 @@ class ResistanceCurve:
 
         Raises ValueError for a shape that does not know it.
         """
-        if self.shape == "cubic":
-            raise ValueError("the cubic resistance does not know the axial force")
+        if self.shape in ("cubic", "given"):
+            raise ValueError(f"the {self.shape} resistance does not know the axial force")
         piece, x, _ = self._local(displacement)
         c = _first(piece["axial"])
         return np.asarray(c[0] + x * (c[1] + x * c[2]))

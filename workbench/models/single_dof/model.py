@@ -22,13 +22,14 @@ from workbench.fields import Choice, Number, checked
 from workbench.impact import collide
 from workbench.impact.pace import Pace
 from workbench.impact.records import Run, follow
-from workbench.models.base import Answering
 from workbench.models.domain import step_finding
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import (
     INTERACTIONS,
     SECTION,
     SHAPES,
+    OnCurve,
+    Resistance,
     ResistanceCurve,
     column_curve,
     columns,
@@ -65,11 +66,12 @@ _BATCH = ("peak_displacement", "time_of_peak", "residual_displacement", "peak_fo
 
 
 @dataclass(frozen=True)
-class SingleDof(Answering):
+class SingleDof(OnCurve):
     """Single-degree-of-freedom column.
 
-    Options: `resistance`: envelope of the spring, analytic, cubic, linear (in the axial force)
-    or panel (webs yield in shear: the static curve of `four-dof-shear`);
+    Options: `resistance`: envelope of the spring, analytic, cubic, linear (in the axial force),
+    panel (webs yield in shear: the static curve of `four-dof-shear`) or NAME.csv (points of any
+    other curve at the hit point, columns displacement_m and force_N);
     `integrator`: midpoint (energy conserving) or moreau (explicit); `time_step` in s (None:
     controlled by the error, the energy is kept whatever the step; moreau: a 1000th of the shortest
     period);
@@ -77,7 +79,7 @@ class SingleDof(Answering):
     `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`.
     """
 
-    resistance: str = checked(Choice(SHAPES), "analytic")
+    resistance: str = checked(Resistance(SHAPES), "analytic")
     integrator: str = checked(Choice(tuple(_ENTRIES)), "midpoint")
     time_step: float | None = checked(Number(1e-8, 1.0, "s"), optional=True)
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
@@ -100,6 +102,8 @@ class SingleDof(Answering):
         "deflected shape; a head mass is left out.",
         "No shear yielding but with resistance = panel, the static curve of "
         "`four-dof-shear`; no local buckling, no strain-rate effect.",
+        "A curve that is given (NAME.csv) stands for the whole member, mass and unloading are as "
+        "without it, and behind its last point there is no answer.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
@@ -109,7 +113,8 @@ class SingleDof(Answering):
         Raises `OutOfDomainError`.
         """
         spring = self.rotational_stiffness, self.resistance, self.interaction
-        return column_curve(column, *spring, uniform)
+        data = "" if self.resistance in SHAPES else self.data_digest
+        return column_curve(column, *spring, uniform, data=data)
 
     def with_mass(self, scenario: ColumnImpact) -> ColumnImpact:
         """The impact with the mass (kg) that meets the striker."""
@@ -180,7 +185,9 @@ class SingleDof(Answering):
     def _march(self, scenario: ColumnImpact) -> tuple[Run, ResistanceCurve]:
         """Follow one impact. Raises `SolverError`, `OutOfDomainError`, `CollapseError`."""
         column, striker = scenario.column, scenario.striker
-        curve, limit, pace = _prepared(self, column, scenario.duration, striker.restitution > 0.0)
+        data = "" if self.resistance in SHAPES else self.data_digest
+        bounces = striker.restitution > 0.0
+        curve, limit, pace = _prepared(self, column, scenario.duration, bounces, data)
         blow = striker.mass, striker.velocity, striker.restitution, 0.0
         drive = *blow, curve.elastic_limit, limit, column.properties.impact_mass
         run = follow(_ENTRIES[self.integrator], (curve.pieces,), pace, drive, march.RECORD)
@@ -222,7 +229,7 @@ class SingleDof(Answering):
     def _pushover(self, scenario: ColumnPushover) -> Response:
         column, top = scenario.column, scenario.displacement
         curve = self.curve(column)
-        if curve.shape == PANEL and curve.lost_at <= top:  # its points end there
+        if curve.end < top or (curve.shape == PANEL and curve.lost_at <= top):  # points end there
             raise columns.collapsed(curve, column, curve.lost_at)
         # the breakpoints are load steps, so that the quadrature of the force is exact
         inner = curve.starts[1:][curve.starts[1:] < top]
@@ -250,7 +257,7 @@ class SingleDof(Answering):
 
 @lru_cache(maxsize=256)
 def _prepared(
-    model: SingleDof, column: Column, duration: float, bounces: bool
+    model: SingleDof, column: Column, duration: float, bounces: bool, _digest: str
 ) -> tuple[ResistanceCurve, float, Pace]:
     """Curve, limit of the displacement (m) and pace of a column, for the next strike."""
     curve = model.curve(column)

@@ -1,0 +1,168 @@
+"""Resistance curves that a user gives: against curves they are points of, closed forms, files."""
+
+from __future__ import annotations
+
+from math import sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from workbench.errors import InputError
+from workbench.models.energy_estimate import EnergyEstimate, energy_to_absorb
+from workbench.models.resistance import column_curve
+from workbench.models.single_dof import SingleDof
+from workbench.models.soft_impact import SoftImpact
+from workbench.responses import Outcome, outcome_of, warnings_of
+from workbench.scenarios import ColumnPushover, MemberPulse, Pulse
+from workbench.study.cells import ingredients_of, key_of
+from workbench.testing import check_model
+
+# straight up, straight down, level: softens to two fifths
+STIFFNESS, TOP, REST = 1e8, 1e6, 4e5
+AT, FORCES = (0.0, 0.01, 0.21, 0.6), (0.0, TOP, REST, REST)
+
+
+def write(path: Path, v, force) -> str:
+    rows = (f"{a!r},{b!r}" for a, b in zip(map(float, v), map(float, force), strict=True))
+    path.write_text("\n".join(["displacement_m,force_N", *rows]) + "\n")
+    return str(path)
+
+
+@pytest.fixture
+def softening(tmp_path) -> str:
+    return write(tmp_path / "softening.csv", AT, FORCES)
+
+
+@pytest.mark.parametrize(
+    ("shape", "kind", "tolerance"),
+    [
+        ("panel", SingleDof, 1e-12),  # its 200 straight pieces, one by one
+        ("panel", EnergyEstimate, 1e-12),
+        ("panel", SoftImpact, 1e-12),
+        ("analytic", SingleDof, 6e-8),  # measured 3e-8: 4000 chords of a cubic
+        ("analytic", EnergyEstimate, 6e-8),
+    ],
+)
+def test_points_of_a_curve_answer_as_it(thesis_impact, tmp_path, shape, kind, tolerance) -> None:
+    curve = column_curve(thesis_impact.column, None, shape)
+    at = np.append(curve.starts, 0.72)  # nine tenths of the shorter bar
+    if shape == "analytic":
+        at = np.union1d(at[at < 0.7], np.linspace(0.0, 0.7, 4001))
+    given = write(tmp_path / "curve.csv", at, curve.force(at))
+    for velocity in (10.0, 20.0):
+        impact = thesis_impact.at_velocity(velocity)
+        stiff = {"striker_stiffness": 1e8} if kind is SoftImpact else {}
+        ours, theirs = (kind(resistance=r, **stiff).simulate(impact) for r in (given, shape))
+        assert outcome_of(ours) is Outcome.OK
+        for name in ("peak_displacement", "residual_displacement"):
+            assert float(ours[name]) == pytest.approx(float(theirs[name]), rel=tolerance)
+
+
+def test_a_softening_curve_by_hand(thesis_impact, softening) -> None:
+    """Energy over areas, residual by the first slope, time of the peak by scipy."""
+    impact = thesis_impact.at_velocity(12.0)
+    energy = energy_to_absorb(impact)  # joined masses
+    triangle, slope = 0.5 * TOP * AT[1], (TOP - REST) / (AT[2] - AT[1])
+    assert triangle < energy < triangle + 0.5 * (TOP + REST) * (AT[2] - AT[1])
+    fallen = (TOP - sqrt(TOP**2 - 2.0 * slope * (energy - triangle))) / slope
+    peak = AT[1] + fallen
+    residual = peak - (TOP - slope * fallen) / STIFFNESS
+    mass = impact.striker.mass + impact.column.properties.impact_mass
+
+    def motion(_, y):
+        return [y[1], -np.interp(y[0], AT, FORCES) / mass]
+
+    def stops(_, y):
+        return y[1]
+
+    stops.terminal = True
+    start = [0.0, sqrt(2.0 * energy / mass)]
+    hand = solve_ivp(motion, (0.0, 1.0), start, events=stops, rtol=1e-10, max_step=1e-4)
+
+    single = SingleDof(softening).simulate(impact)
+    estimate = EnergyEstimate(softening).simulate(impact)
+    for response in (single, estimate):
+        assert float(response["peak_displacement"]) == pytest.approx(peak, rel=1e-9)
+        assert float(response["residual_displacement"]) == pytest.approx(residual, rel=1e-9)
+    assert float(single["time_of_peak"]) == pytest.approx(hand.t_events[0][0], rel=1e-3)
+    # level behind the softening
+    fast = thesis_impact.at_velocity(16.0)
+    area = triangle + 0.5 * (TOP + REST) * (AT[2] - AT[1])
+    level = AT[2] + (energy_to_absorb(fast) - area) / REST
+    assert float(SingleDof(softening).simulate(fast)["peak_displacement"]) == pytest.approx(level)
+    check_model(SingleDof(softening), [impact, fast, ColumnPushover("push", impact.column, 0.3)])
+
+
+def test_behind_its_last_point_there_is_no_answer(thesis_impact, softening, tmp_path) -> None:
+    fast = thesis_impact.at_velocity(25.0)
+    pulse = MemberPulse("pulse", fast.column, Pulse("rectangular", 2e6, 0.05), "point", 0.06)
+    push = ColumnPushover("push", fast.column, 0.65)
+    single = SingleDof(softening)
+    stiff = SoftImpact(resistance=softening, striker_stiffness=1e8)
+    for model, scenario in [
+        (single, fast), (single, pulse), (single, push), (EnergyEstimate(softening), fast),
+        (stiff, fast),
+    ]:  # fmt: skip
+        response = model.simulate(scenario)
+        assert outcome_of(response) is Outcome.OUT_OF_DOMAIN, (model, scenario.KIND)
+        assert "ends at 0.6 m" in response.attrs["message"]
+    lost = write(tmp_path / "lost.csv", (0.0, 0.01, 0.2), (0.0, 1e6, 0.0))
+    assert outcome_of(SingleDof(lost).simulate(fast)) is Outcome.COLLAPSE
+
+
+def test_shear_is_the_business_of_the_curve(thesis_impact, softening) -> None:
+    assert "shear" in {f.subject for f in warnings_of(SingleDof().simulate(thesis_impact))}
+    response = SingleDof(softening).simulate(thesis_impact)
+    assert "shear" not in {f.subject for f in warnings_of(response)}
+    assert "shear_utilisation" not in response or np.isnan(response["shear_utilisation"]).all()
+
+
+def test_answers_follow_the_points(thesis_impact, softening) -> None:
+    """The same name with other points: another key, another answer in the same process."""
+    model = SingleDof(softening)
+    key, peak = key_of(ingredients_of(thesis_impact, model)), model.simulate(thesis_impact)
+    write(Path(softening), AT, np.multiply(FORCES, 2.0))
+    assert key_of(ingredients_of(thesis_impact, model)) != key
+    stronger = model.simulate(thesis_impact)
+    assert float(stronger["peak_displacement"]) < 0.6 * float(peak["peak_displacement"])
+    assert ingredients_of(thesis_impact, SingleDof())["data"] == ""
+
+
+HEAD = "displacement_m,force_N\n0,0\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, "cannot be read"),
+        ("", "must begin with the line displacement_m,force_N"),
+        ("displacement_mm,force_kN\n0,0\n1,2\n3,4\n", "must begin with the line"),
+        (b"\xff\xfe\x00", "is no CSV text"),
+        (HEAD + "0.1,1e6\n", "must have 3 to 10000 points, not 2"),
+        (HEAD.replace("0,0", "0,5") + "0.1,1e6\n0.2,1e6\n", "line 2 = .*must be the point 0,0"),
+        (HEAD + "0.1,1e6\n0.1,2e6\n", "line 4, displacement_m = 0.1: must be larger"),
+        (HEAD + "0.1,0\n0.2,2e6\n", "line 3, force_N = 0.0: must be above 0"),
+        (HEAD + "0.1,1e6\n\n0.2,-1\n", "line 5, force_N = -1.0: must be a number from 0"),
+        (HEAD + "0.1,1e6\n0.2,nan\n", "line 4, force_N = nan"),
+        (HEAD + "0.1,1e6\n0,2;3e5\n", "line 4 = '0,2;3e5': must be two numbers; decimals"),
+        (HEAD + "0.1,1e6,7\n0.2,1e6\n", "line 3 = '0.1,1e6,7': must be two numbers"),
+    ],
+)
+def test_bad_files_are_named_with_their_line(tmp_path, text, message) -> None:
+    path = tmp_path / "curve.csv"
+    if text is not None:
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(InputError, match=message) as caught:
+        SingleDof(str(path))
+    assert "\n" not in str(caught.value)
+
+
+def test_options_that_have_no_part_are_refused(softening) -> None:
+    with pytest.raises(InputError, match=r"option\.rotational_stiffness = 6\.0: has no part"):
+        SingleDof(softening, rotational_stiffness=6.0)
+    with pytest.raises(InputError, match=r"option\.interaction = 'linear': has no part"):
+        EnergyEstimate(softening, interaction="linear")
+    with pytest.raises(InputError, match=r"one of analytic, cubic.*or the name of a \.csv file"):
+        SingleDof("softening")

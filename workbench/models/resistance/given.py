@@ -1,0 +1,136 @@
+"""A resistance curve that the user gives, from tests or a finer model: points in a CSV file.
+
+Crawford et al., Lee et al. and Yu and Guo move one mass on such curves (Heng 2017, chapter 4).
+Between its points the curve is straight and may soften; behind its last one nothing is known.
+"""
+
+import csv
+import hashlib
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from workbench.arrays import Array
+from workbench.datafiles import open_input
+from workbench.errors import InputError
+from workbench.fields import Choice, Number
+from workbench.models.base import Answering
+from workbench.models.resistance.curve import (
+    SECTION,
+    Mechanism,
+    ResistanceCurve,
+    straight_pieces,
+)
+
+GIVEN = "given"  # shape of such a curve
+COLUMNS = ("displacement_m", "force_N")
+_RULES = Number(0.0, 1e3, "m"), Number(0.0, 1e12, "N")
+_FIELD, _SUFFIX = "option.resistance", ".csv"
+_LARGEST, _FEWEST, _MOST = 1_000_000, 3, 10_000  # bytes; points
+_STRAIGHT = 1e-3  # share of the force by which the curve leaves its first slope: yielding
+
+
+def is_given(shape: str) -> bool:
+    """Whether the name of a shape is that of a file."""
+    return isinstance(shape, str) and shape.endswith(_SUFFIX)
+
+
+@dataclass(frozen=True)
+class Resistance(Choice):
+    """A shape of the resistance out of a list, or a CSV file of points, which is read."""
+
+    def _allowed(self) -> str:
+        return f"{super()._allowed()}, or the name of a {_SUFFIX} file of points"
+
+    def check(self, path: str, value: object) -> object:
+        """Return the value, or raise `InputError` naming `path`, or the line of the file."""
+        if is_given(value):  # type: ignore[arg-type]
+            points(content(str(value)), str(value))
+            return value
+        return super().check(path, value)
+
+
+class OnCurve(Answering):
+    """A model on a resistance curve, `resistance`, whose options are those of a mechanism."""
+
+    resistance: str
+    rotational_stiffness: float | None
+    interaction: str
+
+    @property
+    def data_digest(self) -> str:
+        """Hash of the points that are given, so that stored answers follow them ("": none)."""
+        return digest(self.resistance)
+
+    def check(self) -> None:
+        """Refuse options that have no part in a curve that is given. Raises `InputError`."""
+        for name, usual in (("rotational_stiffness", None), ("interaction", SECTION)):
+            if is_given(self.resistance) and getattr(self, name) != usual:
+                raise self.refusal(name, f"has no part in the curve of {self.resistance}")
+
+
+def content(name: str) -> bytes:
+    """Content of a file of points. Raises `InputError`."""
+    with open_input(Path(name), _FIELD, _LARGEST) as stream:
+        return stream.read()
+
+
+def digest(shape: str) -> str:
+    """First digits of the SHA-256 of the points of a `shape` ("" of one that is no file)."""
+    return hashlib.sha256(content(shape)).hexdigest()[:16] if is_given(shape) else ""
+
+
+@lru_cache(maxsize=16)
+def points(data: bytes, name: str) -> Array:
+    """Points (n, 2) of a file: displacements (m), rising from 0, and forces (N), from 0.
+
+    Raises `InputError` with the `name` of the file and the line.
+    """
+    try:
+        lines = list(csv.reader(data.decode("utf-8-sig").splitlines(), strict=True))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(_FIELD, name, f"is no CSV text: {error}") from error
+    rows = [(n, row) for n, row in enumerate(lines, 1) if row]
+    if not rows or tuple(cell.strip() for cell in rows[0][1]) != COLUMNS:
+        raise InputError(_FIELD, name, f"must begin with the line {','.join(COLUMNS)}")
+    if not _FEWEST <= len(rows) - 1 <= _MOST:
+        text = f"must have {_FEWEST} to {_MOST} points, not {len(rows) - 1}"
+        raise InputError(_FIELD, name, text)
+    table = np.array([_numbers(f"{name}, line {n}", row) for n, row in rows[1:]])
+    if table[0].any():
+        raise InputError(f"{name}, line {rows[1][0]}", rows[1][1], "must be the point 0,0")
+    falls = np.flatnonzero(np.diff(table[:, 0]) <= 0.0)
+    if len(falls):
+        n, row = rows[falls[0] + 2]
+        text = "must be larger than that of the point before"
+        raise InputError(f"{name}, line {n}, {COLUMNS[0]}", float(row[0]), text)
+    if table[1, 1] <= 0.0:
+        n, row = rows[2]
+        text = "must be above 0: the curve begins with its elastic stiffness"
+        raise InputError(f"{name}, line {n}, {COLUMNS[1]}", float(row[1]), text)
+    return table
+
+
+def _numbers(place: str, row: list[str]) -> list[float]:
+    try:
+        pair = [float(cell) for cell in row]
+    except ValueError:
+        pair = []
+    if len(pair) != len(COLUMNS):
+        advice = "decimals have a point, columns a comma"
+        raise InputError(place, ",".join(row), "must be two numbers", advice)
+    held = zip(COLUMNS, _RULES, pair, strict=True)
+    return [rule.check(f"{place}, {column}", value) for column, rule, value in held]
+
+
+def given_curve(mechanism: Mechanism, shape: str) -> ResistanceCurve:
+    """The curve through the points of a file, elastic as long as it keeps its first slope.
+
+    Up to a thousandth of the force. Raises `InputError`.
+    """
+    v, force = points(content(shape), shape).T
+    soft = np.flatnonzero(force < (1.0 - _STRAIGHT) * force[1] / v[1] * v)
+    limit = float(v[max(soft[0] - 1, 1)] if len(soft) else v[-1])
+    return ResistanceCurve(GIVEN, mechanism, straight_pieces(v, force), limit, float(v[-1]))
