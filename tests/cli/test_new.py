@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -41,3 +42,14 @@ def test_a_template_for_something_else_is_refused(capsys: pytest.CaptureFixture[
     assert "--kind = 'welds': must be one of strength" in capsys.readouterr().err
     assert run(["new", "studs", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["template"].endswith("slip_at_max_mm\n")
+
+
+def test_a_vehicle_is_printed_as_a_striker(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["new", "striker", "urban", "--distance", "3"]) == 0
+    text = capsys.readouterr().out
+    assert "not verified in print" in text
+    striker = tomllib.loads(text)["striker"]
+    assert striker["mass"] == 30_000.0
+    assert striker["velocity"] == pytest.approx((13.8889**2 - 6.0 * 3.0 / 0.173648) ** 0.5, 1e-5)
+    assert run(["new", "striker", "urban", "--distance", "6"]) == 2
+    assert "distance = 6.0: must be below 5.583 m" in capsys.readouterr().err

@@ -13,6 +13,7 @@ from workbench.models.practice.hard_impact import HardImpact
 from workbench.models.single_dof import SingleDof
 from workbench.responses import Outcome, collapse_of, energy_error, outcome_of, warnings_of
 from workbench.scenarios import ColumnImpact
+from workbench.scenarios.traffic import FORCES, TRAFFIC, design_striker, velocity_after
 
 # HEB 220 of the thesis, P = 0.5 MN: load (N) of the mechanism by the exact and the linear surface
 LOADS = {"none": 889.8e3, "section": 831.8e3, "linear": 747.8e3}
@@ -108,3 +109,42 @@ def test_the_rule_says_when_it_is_none(thesis_impact) -> None:
     for options in ({"amplification": 2.5}, {"application": "both"}, {"striker_stiffness": 0.0}):
         with pytest.raises(InputError):
             HardImpact(**options)
+
+
+def test_forces_of_table_4_1_act_statically_whatever_the_striker(thesis_impact) -> None:
+    """On the elastic part of the curve force over stiffness; across half as much."""
+    curve = SingleDof().curve(thesis_impact.column)
+    assert FORCES["yard-lorries"] == 150e3
+    for name, each in TRAFFIC.items():
+        assert FORCES[f"{name}-across"] == 0.5 * FORCES[name] == each.across
+    for traffic in ("yard-lorries", "yard-cars", "yard-lorries-across"):
+        response = HardImpact(application=traffic).simulate(thesis_impact)
+        expected = FORCES[traffic] / curve.initial_stiffness
+        assert float(response["peak_displacement"]) == pytest.approx(expected, rel=1e-6)
+        assert float(response["peak_force"]) == FORCES[traffic]
+        faster = HardImpact(application=traffic).simulate(thesis_impact.at_velocity(30.0))
+        assert float(faster["peak_displacement"]) == float(response["peak_displacement"])
+        (told,) = (f for f in warnings_of(response) if f.subject == "striker")
+        assert "318.2 kN on a rigid wall" in told.text
+
+
+def test_design_vehicles_make_the_forces_of_table_c_2() -> None:
+    """F_0 as recalled, but for lorries in yards (500 kN recalled, 395 by the formula)."""
+    recalled = {"motorway": 2400e3, "urban": 1300e3, "yard-cars": 120e3, "garage": 60e3}
+    for traffic, force in recalled.items():
+        striker = design_striker(traffic)
+        assert striker.velocity * sqrt(3e5 * striker.mass) == pytest.approx(force, rel=0.02)
+
+
+def test_braking_is_that_of_a_motion_in_steps() -> None:
+    v, way, dt = 25.0, 0.0, 1e-5
+    while way * sin(pi / 18.0) < 12.0:  # 12 m from its lane, at 10 degrees
+        v, way = v - 4.0 * dt, way + (v - 2.0 * dt) * dt
+    assert velocity_after(25.0, 12.0, 4.0) == pytest.approx(v, rel=1e-4)
+    assert velocity_after(25.0, 0.0) == 25.0
+    reached = 25.0**2 * sin(pi / 18.0) / 6.0
+    assert velocity_after(25.0, 0.75 * reached) == pytest.approx(12.5)
+    with pytest.raises(InputError, match=r"distance = 19.0: must be below 18.09 m"):
+        design_striker("motorway", 19.0)
+    with pytest.raises(InputError, match=r"traffic = 'rural': must be one of motorway, urban"):
+        design_striker("rural")

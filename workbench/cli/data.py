@@ -221,6 +221,27 @@ def mapping_template(as_json: Json = False) -> Answer:
     return _printed(TEMPLATE.read_text(encoding="utf-8"), as_json)
 
 
+@templates.command("striker")
+@verb
+def striker(
+    traffic: str = typer.Argument(metavar="TRAFFIC", help="Such as motorway, urban or garage."),
+    distance: float = option("From where it leaves its lane to the column, m.", 0.0, "M"),
+    deceleration: float = option("On this way, m/s2.", 3.0, "A"),
+    angle: float = option("To the road, degrees.", 10.0, "DEGREES"),
+    as_json: Json = False,
+) -> Answer:
+    """A vehicle of EN 1991-1-7, Table C.2, as the table [striker] of a scenario."""
+    from workbench.scenarios.traffic import TRAFFIC, design_striker
+
+    made = design_striker(traffic, distance, deceleration, angle)
+    text = (
+        f"# {TRAFFIC[traffic].title}: EN 1991-1-7, Table C.2, recalled and not verified in print\n"
+        f"# braked by {deceleration:g} m/s2, {distance:g} m from its lane, at {angle:g} degrees\n"
+        f"[striker]\nmass = {made.mass!r}\nvelocity = {made.velocity:.9g}\n"
+    )
+    return _printed(text, as_json)
+
+
 @templates.command("studs")
 @verb
 def studs(

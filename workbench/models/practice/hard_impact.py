@@ -3,8 +3,9 @@
 Hard impact (C.2.1): a striker of mass m and stiffness k on a rigid structure, m x'' + k x = 0,
 pushes with at most F = v (k m)^1/2; held for (m / k)^1/2 it has the momentum m v of the striker.
 The structure answers that rectangular pulse, or statically phi F, phi at most 2 (a step on an
-elastic structure). Soft impact (C.2.2): a plastic structure absorbs a rigid striker,
-m v^2 / 2 <= F_0 y_0, F_0 its strength and y_0 the deformation that it can take.
+elastic structure); or the static force of Table 4.1 for a kind of traffic, whatever the striker.
+Soft impact (C.2.2): a plastic structure absorbs a rigid striker, m v^2 / 2 <= F_0 y_0, F_0 its
+strength and y_0 the deformation that it can take.
 """
 
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ from workbench.models.single_dof.pulse import Pushed, push
 from workbench.models.soft_impact import VEHICLE_STIFFNESS
 from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import ColumnImpact, Pulse
+from workbench.scenarios.traffic import FORCES
 
 DYNAMIC, STATIC = "dynamic", "static"
 _RIGID = 0.1  # way of the structure over the crush of the striker, up to which it counts as rigid
@@ -32,13 +34,14 @@ class HardImpact(Answering):
     """EN 1991-1-7, Annex C.
 
     Options: `striker_stiffness` in N/m of what crushes (300 kN/m: cars, Annex C); `application`
-    of the force: dynamic (rectangular pulse on the single-DOF column) or static; `amplification`
-    phi of a static one; `resistance` of the column as in `single-dof`; `deformation_capacity` y_0
-    in m for the check of soft impact (None: it tells what it takes).
+    of the force: dynamic (rectangular pulse on the single-DOF column), static, or the static force
+    of a kind of traffic (Table 4.1, along the traffic or across); `amplification` phi of static;
+    `resistance` of the column as in `single-dof`; `deformation_capacity` y_0 in m for the check of
+    soft impact (None: it tells what it takes).
     """
 
     striker_stiffness: float = checked(Number(1.0, 1e12, "N/m"), VEHICLE_STIFFNESS)
-    application: str = checked(Choice((DYNAMIC, STATIC)), DYNAMIC)
+    application: str = checked(Choice((DYNAMIC, STATIC, *FORCES)), DYNAMIC)
     amplification: float = checked(Number(1.0, 2.0), 2.0)
     resistance: str = checked(Choice(RESISTANCES), "analytic")
     deformation_capacity: float | None = checked(Number(1e-6, 10.0, "m"), optional=True)
@@ -52,6 +55,8 @@ class HardImpact(Answering):
         "The column answers as the single-DOF column under that force, or statically.",
         "The restitution of the scenario has no part.",
         "Annex C is recalled from the standard and checked against the momentum of the striker.",
+        "Forces of a kind of traffic are those of Table 4.1, recalled and not verified in print; "
+        "the striker of the scenario has no part in them.",
     )
     sources: ClassVar[tuple[str, ...]] = ("en1991-1-7", "heng2017")
 
@@ -76,7 +81,7 @@ class HardImpact(Answering):
         return scenario.input_energy / mechanism_load(scenario.column, SECTION)
 
     def _solve(self, scenario: ColumnImpact) -> Response:
-        column, pulse = scenario.column, self.pulse(scenario)
+        column, pulse, table = scenario.column, self.pulse(scenario), FORCES.get(self.application)
         curve = column_curve(column, None, self.resistance)
         values: dict[str, Any] = {}
         time = None
@@ -85,14 +90,18 @@ class HardImpact(Answering):
             time, values = push(pushed, column, pulse, scenario.duration)
             top = float(values["displacement"].max())
         else:
-            top = self._static(curve, scenario, self.amplification * pulse.peak)
+            top = self._static(curve, scenario, table or self.amplification * pulse.peak)
             values["peak_displacement"] = top
             values["residual_displacement"] = curve.residual(top)
-        values["peak_force"] = pulse.peak
-        values["impulse"] = scenario.striker.mass * scenario.striker.velocity
+        values["peak_force"] = table or pulse.peak
+        if table is None:
+            values["impulse"] = scenario.striker.mass * scenario.striker.velocity
         values["shear_utilisation"], warnings = columns.reached(curve, column, top)
         crush = scenario.striker.velocity * pulse.length if pulse.length else 0.0
-        if top <= _RIGID * crush:
+        if table is not None:
+            own = pulse.peak / 1e3
+            warnings.append(finding("table-force", table=table / 1e3, striker=own))
+        elif top <= _RIGID * crush:
             stiffness = self.striker_stiffness
             warnings.append(
                 finding("striker", crush / top, crush=crush, top=top, stiffness=stiffness)
@@ -101,7 +110,7 @@ class HardImpact(Answering):
             warnings.append(finding("hard-impact", top / crush, crush=crush, top=top))
         response = build_response(values, time=time, segments=columns.SEGMENTS, warnings=warnings)
         rule = {
-            "rule.force": (pulse.peak, "N", "force of hard impact"),
+            "rule.force": (table or pulse.peak, "N", "force of hard impact"),
             "rule.duration": (pulse.length, "s", "duration of hard impact"),
             "rule.soft_deformation": (
                 self._soft_deformation(scenario),
