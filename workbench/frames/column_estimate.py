@@ -31,7 +31,6 @@ from workbench.scenarios import (
 from workbench.scenarios.parts import OVERRIDES
 
 HEADS = ("joined", "pinned")
-ON_FRAME = ("flexible-superelement",)  # which answers the frame itself
 BENT = 0.1  # of the plastic moment, by dead loads at the ends of the column
 SAME = 1e-3  # relative difference of collapse loads that counts as none
 SWAYED = 0.08  # of a peak, missing by an estimate; a little below what counts as an error

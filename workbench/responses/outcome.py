@@ -72,8 +72,8 @@ class Finding:
     Arguments: `subject`, a short key such as ``shear``; `text`, one sentence with the numbers;
     `refusal`, True when the model cannot answer; `remedy`, which model or input to use instead
     (empty: none is known); `number`, the number behind the sentence (V/Vpl = 1.79; None: none);
-    `instead`, models to ask first where another model answers better (None: none would), of which
-    the remedy is made when the model is known, see `evidence/advice.py`; `limit` of the number.
+    `instead`, names of models that answer better (None: none would), of which advice makes the
+    remedy when the model is known, see `evidence/advice.py`; `limit` of the number.
     The sentences of the workbench stand in ``findings.toml``, see `finding`.
     """
 
