@@ -177,23 +177,33 @@ def task_of(cell: Cell, limit: float | None = None, file: Path | None = None) ->
     return Task(cell.key, payload, limit, "" if file is None else str(file))
 
 
-def perform(task: Task, warm: set[str]) -> Result:
+def perform(task: Task, warm: set[str], answered: Callable[[], None] = lambda: None) -> Result:
     """Answer a task in this process, with one numerical thread. It never fails.
 
     Arguments: `warm` collects the kinds of cell that this process has answered before. The time
-    limit is judged here for executors that cannot stop a cell.
+    limit is that of the model, and judged here for executors that cannot stop a cell; `answered` is
+    called at its end, before the advice, for which the anchor may have to run.
     """
     begin = time.perf_counter()
     with threadpool_limits(1):
-        result = _performed(task, warm)
-    seconds = time.perf_counter() - begin
-    return timed_out(task, seconds) if is_late(task, seconds) else result
+        model, scenario = _unpacked(task)
+        started = datetime.now(UTC)
+        response, record = _performed(task, warm, model, scenario)
+        seconds = time.perf_counter() - begin
+        if is_late(task, seconds):
+            return timed_out(task, seconds)
+        answered()
+        if "trace" not in record:
+            advice = partial(advised, model, scenario, response)
+            response, trace = _guarded(model, scenario, advice)
+            record |= {"trace": trace} if trace else {}
+        return _result(task, response, record, started)
 
 
-def _performed(task: Task, warm: set[str]) -> Result:
+def _performed(
+    task: Task, warm: set[str], model: Model, scenario: Scenario
+) -> tuple[Response, dict[str, Any]]:
     """The first of a kind may compile kernels: if it was short, a second call gives its time."""
-    model, scenario = _unpacked(task)
-    started = datetime.now(UTC)
     begin = time.perf_counter()
     response, trace = _answer(model, scenario)
     first = time.perf_counter() - begin
@@ -207,8 +217,6 @@ def _performed(task: Task, warm: set[str]) -> Result:
     allowed = min(TIMED_OFTEN_BELOW, (task.limit or 1e9) / (3.0 + FURTHER_CALLS))
     if timed.attrs.get("wall_time", first) < allowed:
         runs += [_answer(model, scenario)[0] for _ in range(FURTHER_CALLS)]
-    if not trace:
-        response, trace = _guarded(model, scenario, partial(advised, model, scenario, response))
     record: dict[str, Any] = {"wall_time": first, "first_call": first}
     for name in TIMES:
         measured = [run.attrs[name] for run in runs if name in run.attrs]
@@ -218,7 +226,7 @@ def _performed(task: Task, warm: set[str]) -> Result:
         record["cold"] = True  # its times may hold compilation
     if trace:
         record["trace"] = trace
-    return _result(task, response, record, started)
+    return response, record
 
 
 def unanswered(task: Task, outcome: Outcome, message: str, seconds: float) -> Result:

@@ -11,7 +11,8 @@ import threading
 import time
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
@@ -26,7 +27,7 @@ THREAD_VARIABLES = (
     "NUMBA_NUM_THREADS",
     "VECLIB_MAXIMUM_THREADS",
 )
-READY = "ready"
+READY, ANSWERED = "ready", "answered"  # words of a worker; from the second on it advises
 CONNECT_SECONDS = 10.0  # to a cluster
 
 
@@ -114,6 +115,9 @@ class _Worker:
                 if isinstance(message, Result):
                     self.task = None
                     return message
+                if message == ANSWERED and self.task is not None:
+                    self.task = replace(self.task, limit=None)  # that was the time of the model
+                    return None
                 if message != READY:
                     raise WorkbenchError(f"a worker process cannot handle its cell: {message}")
                 self.ready = True
@@ -166,7 +170,7 @@ def serve(pipe: Connection) -> None:
         except EOFError:
             return
         try:
-            answer: Result | str = perform(task, warm)
+            answer: Result | str = perform(task, warm, partial(pipe.send, ANSWERED))
         except Exception as error:  # not the model's: its failures are results
             answer = f"{type(error).__name__}: {error}"
         pipe.send(answer)
