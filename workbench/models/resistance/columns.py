@@ -27,7 +27,7 @@ from workbench.models.resistance.curve import (
     mechanism_of,
     straight_pieces,
 )
-from workbench.models.resistance.given import GIVEN, given_curve
+from workbench.models.resistance.given import GIVEN, given_curve, is_given
 from workbench.models.resistance.shapes import RESISTANCES, resistance_curve
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnPushover, ColumnScenario, MemberPulse
@@ -167,7 +167,7 @@ def curve_findings(scenario: ColumnScenario, shape: str) -> list[Finding]:
     Warning: a head mass, which a pulse moves here without. Refusal: a push beyond their reach.
     """
     domain = FourDofShear().domain if shape == PANEL else member_findings
-    domain = domain if shape in SHAPES else buckling_findings
+    domain = buckling_findings if is_given(shape) else domain
     findings = list(domain(scenario))
     column = scenario.column
     if column.head_mass > 0.0 and isinstance(scenario, MemberPulse):
