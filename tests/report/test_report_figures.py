@@ -7,11 +7,12 @@ from dataclasses import replace
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from synthetic_study import Synthetic, columns, small_study, store_of
 
 from workbench.errors import InputError
-from workbench.report.drawing.sheet import Request, thinned
-from workbench.report.drawing.style import PALETTE, looks
+from workbench.report.drawing.sheet import Request, Sheet, thinned
+from workbench.report.drawing.style import PALETTE, house_style, looks, settle
 from workbench.report.figures import KINDS, draw
 from workbench.report.gallery import cases_of, figures_of, to_csv, to_svg
 from workbench.scenarios import ColumnImpact, ColumnPushover, Striker
@@ -300,3 +301,15 @@ def test_a_domain_map_needs_its_parameter(sweep):
     drawing = draw(request(sweep, "domain-map", x="depth"))
     assert drawing.canvas is None
     assert "parameter depth" in drawing.statements[0]
+
+
+def test_no_label_is_clipped_at_the_resolution_of_the_page() -> None:
+    """Letters are as wide when a figure is laid out (100 dpi) as when it is saved."""
+    with house_style():
+        sheet = Sheet.table(1, 1, 2.0)
+        sheet.panel.set_yticks([0.0, 1.0], ["restraint stiffness ±5 %", "total"])
+        settle(sheet.canvas)
+        for resolution in (72, 100, 160, 300):
+            sheet.canvas.set_dpi(resolution)
+            renderer = FigureCanvasAgg(sheet.canvas).get_renderer()
+            assert sheet.panel.yaxis.get_tightbbox(renderer).x0 >= 0.0
