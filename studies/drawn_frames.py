@@ -4,7 +4,8 @@ One or two storeys of one or two bays, rolled columns and tubes of five steels, 
 bases, rigid or pinned beams, with and without dead loads; a striker hits a column between its
 joints, mostly of the ground floor, with the energy to push its mechanism, or that of the frame if
 that is weaker, some hundredths to half of the shorter segment. The reference is the frame of fibers
-whose webs yield. The peaks are the data of the error model.
+whose webs yield. There are too few light strikers yet for a
+table of the error model.
 """
 
 import sys

@@ -16,7 +16,7 @@ from workbench.evidence.error_model import (
     truth_ratio,
 )
 from workbench.evidence.error_table import ANCHOR, PULSES, TRUTH, ErrorTable, ends_of
-from workbench.evidence.pulses_and_frames import DRAWN_SHAPES
+from workbench.evidence.pulses import DRAWN_SHAPES
 from workbench.registry import make_model
 from workbench.responses import build_response
 from workbench.scenarios import MemberPulse, Pulse, scenario_from

@@ -14,9 +14,11 @@ from dataclasses import dataclass
 from math import exp, expm1, inf, isinf, log, log1p, sqrt
 from typing import Any
 
-PEAK, RESIDUAL = "peak_displacement", "residual_displacement"
+from workbench.evidence.error_model import PEAK as PEAK
+from workbench.evidence.error_model import RESIDUAL as RESIDUAL
+from workbench.evidence.error_table import COVERAGE as COVERAGE
+
 REMAINS = 0.1  # of the peak: below, the ratio of residual displacements says nothing
-COVERAGE = 0.90
 NUMERICAL, MODEL_FORM, RATE = "numerical", "model form", "rate sensitivity"
 REFERENCE, TOTAL = "best reference", "total"
 SUMS = (REFERENCE, TOTAL)

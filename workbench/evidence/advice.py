@@ -125,7 +125,7 @@ def _about(error: ExpectedError, causes: str) -> Iterator[Finding]:
         parts = ("because",) if causes else ()
         chance = 100.0 * (error.chance or 0.0)
         name = "error" if error.expected is not None else "error-of-collapse"
-        yield finding(name, error.chance, parts=parts, said=error, causes=causes, chance=chance)
+        yield finding(name, error.chance, parts=parts, error=error, causes=causes, chance=chance)
     if error.near_collapse:
         yield finding(CLOSE, anchor=error.anchor)
 

@@ -7,9 +7,11 @@ cell. Derivation and numbers: docs/theory/error-model.md.
 """
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from math import inf, isinf, isnan, log, nan
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -70,7 +72,7 @@ class ExpectedError:
 
 
 class TruthRatio(NamedTuple):
-    """Sorted `values` of ln(truth / anchor) in the `cell` of a scenario.
+    """Sorted `values` of ln(truth / anchor) in the `cell` of a scenario with such `features`.
 
     Empty where nothing is known, for the `reason`.
     """
@@ -78,6 +80,7 @@ class TruthRatio(NamedTuple):
     values: Array
     cell: str = ""
     reason: str = ""
+    features: Mapping[str, float] = MappingProxyType({})
 
 
 def expected_error(scenario: Any, response: Response) -> ExpectedError:
@@ -120,16 +123,22 @@ def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> Exp
         return replace(known, chance=1.0 - fallen if isinf(answer) else fallen, reason=reason)
     values = ratio.values + log(anchor / answer)
     if name in (table.reference, FINEST):
-        values = table.doubts(table.features(scenario)) if name == table.reference else values[:0]
+        values = table.doubts(ratio.features) if name == table.reference else values[:0]
     if not len(values):
         return replace(known, reason="nothing finer has measured it")
     errors = np.exp(-values[::-1]) - 1.0
     low, high = ends_of(len(errors))
-    beyond = (np.count_nonzero(np.abs(errors) > BEYOND) + 0.5) / (len(errors) + 1.0)
     middle, least, most = float(np.median(errors)), float(errors[low]), float(errors[high])
-    return replace(known, expected=middle, low=least, high=most, chance=float(beyond))
+    chance = float(chance_beyond(errors))
+    return replace(known, expected=middle, low=least, high=most, chance=chance)
 
 
+def chance_beyond(errors: Array) -> Any:
+    """Chance of an error beyond 10 %, from the measured `errors` (..., n) of a cell: (...)."""
+    return ((np.abs(errors) > BEYOND).sum(axis=-1) + 0.5) / (errors.shape[-1] + 1.0)
+
+
+@lru_cache(maxsize=256)  # every model of a study asks for the same scenario
 def truth_ratio(scenario: Any) -> TruthRatio:
     """What is known of ln(truth / anchor) of a scenario before it is answered.
 
@@ -143,7 +152,8 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     reason = table.unknown(values)
     if reason:
         return TruthRatio(np.empty(0), reason=reason)
-    return TruthRatio(widened(table.truths(values), table.doubts(values)), table.cell(values))
+    ratios = widened(table.truths(values), table.doubts(values))
+    return TruthRatio(ratios, table.cell(values), features=values)
 
 
 def widened(values: Array, doubts: Array) -> Array:
@@ -180,10 +190,12 @@ def residual_ends(scenario: Any, response: Response) -> tuple[float, float] | No
     table = TABLES.get(scenario.KIND)
     if table is None or truth_ratio(scenario).reason:
         return None
+    parts = table.residuals(truth_ratio(scenario).features)
+    if not len(parts):
+        return None
     own = _is_anchor(response, table.anchor)
     peak, residual = _numbers(response) if own else _anchor(scenario)
-    parts = table.residuals(table.features(scenario))
-    if isnan(residual) or not len(parts):
+    if isnan(residual):
         return None
     low, high = ends_of(len(parts))
     return residual + float(parts[low]) * peak, residual + float(parts[high]) * peak

@@ -12,13 +12,8 @@ import pandas as pd
 from workbench.arrays import Array
 from workbench.evidence.catalogue import load
 from workbench.evidence.descriptors import DEMAND, FEATURES, STRIKER, features
-from workbench.evidence.pulses_and_frames import (
-    LOADED,
-    PULSE_FEATURES,
-    frame_features,
-    pulse_features,
-)
-from workbench.scenarios import ColumnImpact, FrameImpact, MemberPulse
+from workbench.evidence.pulses import LOADED, PULSE_FEATURES, pulse_features
+from workbench.scenarios import ColumnImpact, MemberPulse
 
 ANCHOR, REFERENCE, FINEST = "flexible-superelement", "fiber-shear", "solid-plane-stress"
 COVERAGE = 0.90  # share of truths inside an interval
@@ -166,13 +161,5 @@ PULSES = ErrorTable(
     words=PULSE_FEATURES,
     cells={LOADED: (0.5,)},
     grows=0.25,
-)
-FRAMES = ErrorTable(
-    kind=FrameImpact.KIND,
-    dataset="frames",
-    study="drawn_frames",
-    features=frame_features,
-    words=FEATURES,
-    cells={STRIKER: (1.0,)},
 )
 TABLES = {table.kind: table for table in (COLUMNS, PULSES)}

@@ -5,7 +5,7 @@ forces of cars (50 and 25 kN) and for what the JCSS Probabilistic Model Code, 2.
 angle, and the motion below. A national annex may have others.
 """
 
-from math import pi, sin, sqrt
+from math import radians, sin, sqrt
 from typing import NamedTuple
 
 from workbench.errors import InputError
@@ -58,7 +58,7 @@ def velocity_after(
         "deceleration", deceleration
     )
     angle = Number(0.0, 90.0, "degrees", low_included=False).check("angle", angle)
-    reached = velocity**2 * sin(angle * pi / 180.0) / (2.0 * deceleration)
+    reached = velocity**2 * sin(radians(angle)) / (2.0 * deceleration)
     if distance >= reached:
         text = f"must be below {reached:.4g} m, where the vehicle has come to rest"
         raise InputError("distance", distance, text, "no impact is to be designed for")

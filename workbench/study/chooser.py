@@ -13,7 +13,7 @@ import pandas as pd
 
 from workbench.errors import OutOfDomainError
 from workbench.evidence.descriptors import variant_of
-from workbench.evidence.error_model import BEYOND, WARNED
+from workbench.evidence.error_model import BEYOND, WARNED, chance_beyond
 from workbench.evidence.error_table import TABLES, ends_of
 from workbench.responses import Outcome
 from workbench.study.definition import Study
@@ -134,7 +134,7 @@ def _expected(logs: pd.DataFrame, by_cell: Any) -> Iterator[pd.DataFrame]:
 
     From `logs`, ln(answer / truth), and those of the anchor by cell; NaN where nothing is known.
     """
-    found = np.full((4, *logs.shape), np.nan)
+    expected = np.full((4, *logs.shape), np.nan)
     rows, anchor = logs.to_numpy(), by_cell.obj.to_numpy()
     for places in by_cell.indices.values():
         places = places[np.isfinite(anchor[places])]
@@ -142,10 +142,9 @@ def _expected(logs: pd.DataFrame, by_cell: Any) -> Iterator[pd.DataFrame]:
         for place in places:
             others = np.sort(anchor[places[places != place]])
             errors = np.exp((rows[place] - anchor[place])[:, None] + others) - 1.0
-            beyond = (np.abs(errors) > BEYOND).sum(axis=1) + 0.5
             ends = errors[:, low], np.median(errors, axis=1), errors[:, high]
-            found[:, place] = *ends, beyond / (len(others) + 1.0)
-    for each in np.where(np.isfinite(rows), found, np.nan):
+            expected[:, place] = *ends, chance_beyond(errors)
+    for each in np.where(np.isfinite(rows), expected, np.nan):
         yield pd.DataFrame(each, logs.index, logs.columns)
 
 
@@ -157,7 +156,7 @@ def _cell_rows(drawn: _Drawn) -> Iterator[Row]:
         errors = np.sort(drawn.errors.loc[stands.index[stands], anchor].to_numpy())
         low, high = ends_of(len(errors))
         off = np.count_nonzero(np.abs(errors) > BEYOND)
-        chance = (off + 0.5) / (len(errors) + 1.0)
+        chance = chance_beyond(errors)
         yield {
             **{"cell": cell, "anchor": anchor, "reference": drawn.reference},
             **{"count": len(errors), "off": off, "chance": chance, "warned": chance > WARNED},

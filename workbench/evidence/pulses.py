@@ -1,13 +1,12 @@
-"""What the errors under pulses and of struck frames hang on: features, before anything is run."""
+"""What errors under pulses hang on: features of a member and its pulse, before anything is run."""
 
 from math import pi, sqrt
 
 from workbench.errors import OutOfDomainError
-from workbench.evidence.descriptors import DEMAND, FEATURES, features
-from workbench.frames.column_estimate import column_like
+from workbench.evidence.descriptors import DEMAND, FEATURES
 from workbench.models.domain import shear_demand
 from workbench.models.practice.biggs import Biggs
-from workbench.scenarios import FrameImpact, MemberPulse
+from workbench.scenarios import MemberPulse
 from workbench.scenarios.pulse import UNIFORM
 
 LOADED, LASTS = "loaded_over_length", "impulse_over_force_and_period"
@@ -45,14 +44,3 @@ def pulse_features(scenario: MemberPulse) -> dict[str, float]:
         "axial_over_squash": column.axial_load / column.properties.squash_load,
         "shorter_over_length": min(column.length_below, column.length_above) / column.length,
     }
-
-
-def frame_features(scenario: FrameImpact) -> dict[str, float]:
-    """The features of columns, of the column that is struck as the frame holds it.
-
-    Raises `OutOfDomainError` for hits on joints, and on what is no column between two joints.
-    """
-    column = column_like(scenario)
-    if column is None:
-        raise OutOfDomainError("the struck node is not between the joints of one column")
-    return features(column)
