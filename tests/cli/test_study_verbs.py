@@ -200,11 +200,19 @@ def workers_of_group(group: int) -> list[int]:
     return [pid for pid in processes_of_group(group) if b"spawn_main" in command(pid)]
 
 
+def blocks_interrupts(pid: int) -> bool:
+    status = Path(f"/proc/{pid}/status").read_text()
+    blocked = re.search(r"^SigBlk:\s*([0-9a-f]+)$", status, re.M)
+    assert blocked is not None
+    return bool(int(blocked[1], 16) >> (signal.SIGINT - 1) & 1)
+
+
 def test_an_interrupt_while_workers_import_is_for_the_run_alone(
     study_file: Path, tmp_path: Path
 ) -> None:
     running = start("run", str(study_file), "--jobs", "2", "--store", str(tmp_path / "store"))
     until(lambda: len(workers_of_group(running.pid)) == 2)
+    assert all(blocks_interrupts(pid) for pid in workers_of_group(running.pid))
     os.killpg(running.pid, signal.SIGINT)
     _, said = running.communicate()
     assert running.returncode == 130
