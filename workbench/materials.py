@@ -1,30 +1,142 @@
-"""Structural steel as the models use it."""
+"""Structural steel as the models use it: stiffness, strength, hardening and strain rate."""
 
-from dataclasses import dataclass
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from math import sqrt
+from typing import Any
 
-from workbench.fields import Declared, Number, checked
+from workbench.errors import InputError
+from workbench.fields import Choice, Declared, Instance, Number, check_keys, checked
 
 POISSON_RATIO = 0.3
+COWPER_SYMONDS, NO_RATE = "cowper-symonds", "none"
+_RATE = Number(1e-3, 1e30, "1/s", advice="D of mild steel is 40.4 1/s, of S355 some 500 1/s")
+
+
+@dataclass(frozen=True)
+class CowperSymonds(Declared, table="steel.rate"):
+    """Rate sensitivity: the stress at plastic strain rate r is fy (1 + (r / D)^(1 / q)).
+
+    Arguments: `reference_rate` D in 1/s, `exponent` q; `slow` and `fast`, ends of the 90 %
+    interval of D in 1/s where it is known (a small D is a sensitive steel). Source: Cowper and
+    Symonds 1957.
+    """
+
+    reference_rate: float = checked(_RATE, path="steel.rate.D")
+    exponent: float = checked(Number(1.0, 50.0), path="steel.rate.q")
+    slow: float | None = checked(_RATE, optional=True, path="steel.rate.D_range")
+    fast: float | None = checked(_RATE, optional=True, path="steel.rate.D_range")
+
+    def check(self) -> None:
+        """Refuse an interval that does not hold D."""
+        if self.slow is None and self.fast is None:
+            return
+        low, high = self.slow or self.fast, self.fast or self.slow
+        if low is None or high is None or not low <= self.reference_rate <= high:
+            text = f"must be two rates with D = {self.reference_rate:g} 1/s between them"
+            raise InputError("steel.rate.D_range", [self.slow, self.fast], text)
+
+    def factor(self, rate: float) -> float:
+        """Yield stress at a plastic strain rate (1/s) over the static one."""
+        return float(1.0 + (rate / self.reference_rate) ** (1.0 / self.exponent))
+
+
+MILD_STEEL = CowperSymonds(40.4, 5.0)  # Jones 2012, table 8.1
+# Yield stress (Pa) and rate law of a grade. D of 90 % of the steels: chosen between what tests at
+# yield and tests at large strain give (docs/theory/strain-rate.md), a judgement in part.
+GRADES: Mapping[str, tuple[float, CowperSymonds]] = {
+    "S235": (235e6, CowperSymonds(200.0, 5.0, 35.0, 4000.0)),
+    "S355": (355e6, CowperSymonds(500.0, 5.0, 100.0, 7000.0)),
+    "S460": (460e6, CowperSymonds(3000.0, 5.0, 500.0, 130e3)),
+}
+
+
+def _read_rate(value: Any, path: str) -> Any:
+    """Return the rate law of a file's value: a table, the name of a grade, or none."""
+    if isinstance(value, str):
+        return value
+    if not isinstance(value, Mapping):
+        example = f'write {{ law = "{COWPER_SYMONDS}", D = 500.0, q = 5.0 }} or "S355"'
+        raise InputError(path, value, "must be a table or the name of a grade", example)
+    check_keys(list(value), ["law", "D", "q", "D_range"], path)
+    Choice((COWPER_SYMONDS,)).check(f"{path}.law", value.get("law", COWPER_SYMONDS))
+    for key in ("D", "q"):
+        if key not in value:
+            raise InputError(f"{path}.{key}", None, "is missing", "a rate law needs D and q")
+    ends = value.get("D_range", [None, None])
+    if not isinstance(ends, list) or len(ends) != 2:
+        raise InputError(f"{path}.D_range", ends, "must be two rates in 1/s", "[100.0, 7000.0]")
+    return CowperSymonds(value["D"], value["q"], *ends)
+
+
+def _write_rate(law: CowperSymonds) -> dict[str, Any]:
+    table = {"law": COWPER_SYMONDS, "D": law.reference_rate, "q": law.exponent}
+    ends = {} if law.slow is None else {"D_range": [law.slow, law.fast]}
+    return table | ends
+
+
+class _RateLaw(Instance):
+    """A rate law, the name of the grade whose law it is, or "none"."""
+
+    def _allowed(self) -> str:
+        return f"a rate law, or one of {', '.join((*GRADES, NO_RATE))}"
+
+    def _accepts(self, value: Any) -> bool:
+        return isinstance(value, CowperSymonds) or value in (*GRADES, NO_RATE)
 
 
 @dataclass(frozen=True)
 class Steel(Declared, table="steel"):
-    """Elastic-perfectly plastic structural steel.
+    """Structural steel, perfectly plastic unless it hardens or knows its strain rate.
 
-    Arguments: `elastic_modulus` in Pa, `yield_stress` in Pa, `density` in kg/m3. Raises
-    `InputError` for values that no structural steel has (wrong units are the usual cause).
+    Arguments: `elastic_modulus` in Pa, `yield_stress` in Pa, `density` in kg/m3;
+    `hardening_modulus` in Pa, the slope of stress over plastic strain; `rate`, the law of strain
+    rate, the name of a grade whose law it takes, or "none"; `grade`: a shorthand, kept as the
+    values that it stands for: yield stress (thickness up to 16 mm, EN 10025-2) and rate law, where
+    they are not given. Raises `InputError` for values that no structural steel has (wrong units
+    are the usual cause).
     """
 
     elastic_modulus: float = checked(
         Number(1e10, 1e12, "Pa", advice="moduli are in Pa: 210 GPa is 210e9"), 210e9
     )
     yield_stress: float = checked(
-        Number(1e7, 3e9, "Pa", advice="stresses are in Pa: 355 MPa is 355e6"), 355e6
+        Number(1e7, 3e9, "Pa", advice="stresses are in Pa: 355 MPa is 355e6"),
+        optional=True,
+        help="355e6 or that of the grade",
     )
     density: float = checked(
         Number(1e3, 3e4, "kg/m3", advice="densities are in kg/m3: steel has 7850"), 7850.0
     )
+    hardening_modulus: float | None = checked(
+        Number(0.0, 1e10, "Pa", advice="moduli are in Pa: 0.01 E is 2.1e9"), optional=True
+    )
+    rate: CowperSymonds | None = checked(
+        _RateLaw(CowperSymonds, read=_read_rate, write=_write_rate), optional=True
+    )
+    grade: str | None = checked(
+        Choice(tuple(GRADES)), optional=True, help="gives yield stress and rate law"
+    )
+
+    def check(self) -> None:
+        """Put in what grade and named laws stand for."""
+        stress, rate = 355e6, None
+        if self.grade is not None:
+            stress, rate = GRADES[self.grade]
+        law: Any = rate if self.rate is None else self.rate
+        if isinstance(law, str):
+            law = None if law == NO_RATE else GRADES[law][1]
+        resolved = {"yield_stress": self.yield_stress or stress, "rate": law, "grade": None}
+        if self.hardening_modulus == 0.0:
+            resolved["hardening_modulus"] = None
+        for name, value in resolved.items():
+            object.__setattr__(self, name, value)
+
+    def stronger(self, factor: float) -> Steel:
+        """Return the steel with a yield stress that many times as high."""
+        return replace(self, yield_stress=factor * self.yield_stress)
 
     @property
     def shear_yield_stress(self) -> float:

@@ -23,26 +23,25 @@ from workbench.assessment.budget import (
     varied_term,
 )
 from workbench.assessment.variations import (
-    MILD_STEEL,
     SPREADS,
     Budget,
-    rate_factor,
-    strain_rate,
+    rate_law,
 )
 from workbench.errors import InputError
+from workbench.materials import GRADES, CowperSymonds
+from workbench.models.strain_rate import with_rate
 from workbench.responses import build_response
 from workbench.scenarios import ColumnImpact, ColumnPushover
 
 
-def test_shifts_add_scatters_combine_as_squares_and_pulls_add_in_full() -> None:
+def test_shifts_add_and_widths_combine_as_squares() -> None:
     bias = Term("bias", "", "", 0.4, 0.3, 0.3)
     input_ = Term("input", "", "", 0.0, 0.4, 0.1)
-    pull = Term("pull", "", "", 0.0, 0.2, 0.0, pulls=True)
-    total = together("total", [bias, input_, pull])
+    total = together("total", [bias, input_])
     assert total.shift == 0.4
-    assert total.below == pytest.approx(0.5 + 0.2)
+    assert total.below == pytest.approx(0.5)
     assert total.above == pytest.approx(sqrt(0.1))
-    assert total.low == pytest.approx(exp(0.4 - 0.7) - 1.0)
+    assert total.low == pytest.approx(exp(0.4 - 0.5) - 1.0)
     assert total.high == pytest.approx(exp(0.4 + sqrt(0.1)) - 1.0)
 
 
@@ -71,7 +70,7 @@ def test_a_varied_input_may_end_in_a_collapse_or_without_an_answer() -> None:
 
 def test_an_input_is_varied_with_all_that_hangs_on_it(thesis_impact: ColumnImpact) -> None:
     runs = Budget("", ()).variations(thesis_impact)
-    assert len(runs) == 2 * len(SPREADS) + 1
+    assert len(runs) == 2 * len(SPREADS) + 3
     strong, given = runs["yield_stress +5 %"].column, thesis_impact.column
     assert strong.steel.yield_stress == pytest.approx(1.05 * given.steel.yield_stress)
     assert strong.plastic_moment == pytest.approx(1.05 * (given.plastic_moment or 0.0))
@@ -94,10 +93,18 @@ def test_bad_spreads_and_other_scenarios_are_refused(thesis_impact: ColumnImpact
         Budget("", ()).variations(push)
 
 
-def test_the_rate_is_that_of_the_hinges(thesis_impact: ColumnImpact) -> None:
-    assert rate_factor(MILD_STEEL[0]) == 2.0
-    shared = 1500.0 / (1500.0 + thesis_impact.column.properties.impact_mass)
-    assert strain_rate(thesis_impact) == pytest.approx(0.25 * 15.0 * shared / 0.8)
+def test_what_is_open_is_the_sensitivity_of_the_steel(thesis_impact: ColumnImpact) -> None:
+    """Without a law that of the grade with the nearest yield stress; with one its D alone."""
+    assert rate_law(thesis_impact) == GRADES["S355"][1]
+    runs = Budget("", ()).variations(thesis_impact)
+    laws = [runs[name].column.steel.rate for name in ("rate", "rate slow", "rate fast")]
+    assert [law.reference_rate for law in laws if law] == [500.0, 100.0, 7000.0]
+    measured = with_rate(thesis_impact, CowperSymonds(40.4, 5.0))
+    assert not [name for name in Budget("", ()).variations(measured) if name.startswith("rate")]
+    answer = answered(measured)
+    term = {t.name: t for t in Budget("", ()).terms(measured, answer, {})[PEAK]}[RATE]
+    assert not term.known
+    assert "D_range" in term.reason
 
 
 def answered(scenario: ColumnImpact, peak: float = 0.1, **scalars: float):
@@ -114,18 +121,21 @@ def test_the_terms_of_an_answer(thesis_impact: ColumnImpact) -> None:
     runs = {name: model.simulate(each) for name, each in budget.variations(thesis_impact).items()}
     answer = model.simulate(thesis_impact)
     answer.attrs["error"] = answered(thesis_impact).attrs["error"]
+    for name, share in (("rate", 0.8), ("rate slow", 0.7), ("rate fast", 0.9)):
+        runs[name] = answered(thesis_impact, share * float(answer[PEAK]))
     terms = {term.name: term for term in budget.terms(thesis_impact, answer, runs)[PEAK]}
     assert list(terms)[:2] == [NUMERICAL, MODEL_FORM]
     assert list(terms)[-3:] == [RATE, REFERENCE, TOTAL]
     assert terms["velocity ±5 %"].high == pytest.approx(0.05)
     assert terms["mass ±5 %"].low == pytest.approx(sqrt(0.95) - 1.0)
-    assert terms[RATE].low == 0.0
+    assert (terms[RATE].low, terms[RATE].high) == (pytest.approx(-0.3), pytest.approx(-0.1))
+    assert expm1(terms[RATE].shift) == pytest.approx(-0.2)
     form, total = terms[MODEL_FORM], terms[TOTAL]
     assert expm1(form.shift) == pytest.approx(1.0 / 0.8 - 1.0)
     assert (form.low, form.high) == (pytest.approx(1.0 / 0.96 - 1), pytest.approx(1.0 / 0.72 - 1))
     assert (terms[REFERENCE].low, terms[REFERENCE].high) == (form.low, form.high)
-    assert total.low < form.low < form.high < total.high
-    assert total.shift == form.shift
+    assert total.low < form.low
+    assert total.shift == form.shift + terms[RATE].shift
 
 
 @pytest.mark.parametrize("lost", ["rate", "mass -5 %", MODEL_FORM])

@@ -6,11 +6,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from workbench.materials import MILD_STEEL
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fibers import BeamSection
 from workbench.structures.fibers.beams import ReissnerBeams
 from workbench.structures.fibers.section import (
-    MILD_STEEL,
     LinearHardening,
     MenegottoPinto,
     ShearYielding,

@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 from section_cases import stress_path
 
 from workbench.errors import InputError
+from workbench.materials import MILD_STEEL, CowperSymonds
 from workbench.structures.fibers.section import (
-    MILD_STEEL,
-    CowperSymonds,
     LinearHardening,
     MenegottoPinto,
 )

@@ -41,7 +41,7 @@ def stored(thesis_impact: ColumnImpact, tmp_path_factory: pytest.TempPathFactory
 
 def test_varied_runs_are_stored_and_compared_with_nothing_else(stored: Stored) -> None:
     cells = cells_of(stored.study)
-    assert len(cells) == 2 * 2 + 2 * 7  # 3 inputs both ways, and the rate
+    assert len(cells) == 2 * 2 + 2 * 9  # 3 inputs both ways, the rate and both ends of it
     assert all(Store(stored.directory).holds(cell.key) for cell in cells)
     for name in ("cells", "comparisons", "references", "matrix", "findings"):
         table = pd.read_csv(stored.directory / "tables" / f"{name}.csv")

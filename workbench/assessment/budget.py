@@ -3,8 +3,7 @@
 Terms are changes of the answer on its log scale, where factors add. A term moves the answer by its
 `shift` (a measured bias) and leaves it open by `below` and `above`, half-widths of `COVERAGE`.
 Together, shifts add and half-widths of what scatters add in quadrature, each side by itself.
-A term that only pulls one way, by an unknown part of what is stated, is no scatter: its width
-adds in full. The model form is the error to expect of the answer (`evidence/error_model.py`). It
+The model form is the error to expect of the answer (`evidence/error_model.py`). It
 was measured with the meshes and steps of the models and so contains the numerical part, which is
 stated by itself and not added. Where a part is not known there is no total.
 """
@@ -30,7 +29,7 @@ class Term:
     """A source of error, or a sum of them: `name`, a one-line `reason`, where it is from.
 
     `shift`, `below` and `above` are log changes of the answer; `below` and `above` are None where
-    nothing is known. `pulls`: it acts one way only, by an unknown part of its width.
+    nothing is known.
     """
 
     name: str
@@ -39,7 +38,6 @@ class Term:
     shift: float = 0.0
     below: float | None = 0.0
     above: float | None = 0.0
-    pulls: bool = False
 
     @property
     def known(self) -> bool:
@@ -99,10 +97,9 @@ def together(name: str, terms: Iterable[Term]) -> Term:
 
 
 def _joined(terms: Sequence[Term], side: str) -> float:
-    """Half-width on one side: the root of squares of what scatters, and all that pulls."""
-    scatters = [float(getattr(term, side)) for term in terms if not term.pulls]
-    pulled = sum(float(getattr(term, side)) for term in terms if term.pulls)
-    return inf if inf in scatters else sqrt(sum(width**2 for width in scatters)) + pulled
+    """Half-width on one side: the root of the squares."""
+    widths = [float(getattr(term, side)) for term in terms]
+    return inf if inf in widths else sqrt(sum(width**2 for width in widths))
 
 
 def model_form(error: Mapping[str, Any], quantity: str, value: float) -> Term:

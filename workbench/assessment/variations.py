@@ -1,16 +1,15 @@
 """What a budget of an answer takes: the varied scenarios, and its terms from their answers.
 
-Inputs are varied one at a time, both ways. The models know no strain rate, so that its effect is an
-estimate: all of the steel is as strong as Cowper and Symonds find mild steel at the rate of the
-hinges, while the column is hit. It can only make the answer smaller, and by less in stronger steels
-and at large strains, where the sensitivity fades: by an unknown part of what is stated.
+Inputs are varied one at a time, both ways. What is not known of the strain rate is how sensitive
+the steel is: the reference rate D of its law, between the ends of 90 % of the steels. Where the
+scenario has no rate law, the answer moves to that of the grade with the nearest yield stress.
 """
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from math import inf
+from math import inf, isinf, log
 from typing import Any
 
 from workbench.assessment.budget import (
@@ -28,6 +27,8 @@ from workbench.assessment.budget import (
 )
 from workbench.errors import InputError
 from workbench.fields import Number, check_keys
+from workbench.materials import GRADES, CowperSymonds
+from workbench.models.strain_rate import with_rate
 from workbench.responses import Response, survives
 from workbench.responses.uncertainty import WIDTHS, uncertainty_of
 from workbench.scenarios import ColumnImpact
@@ -35,9 +36,7 @@ from workbench.scenarios import ColumnImpact
 # half-widths of what is known of an input, 90 % intervals, where a user gives no others
 SPREADS = {"velocity": 0.05, "mass": 0.05, "yield_stress": 0.05, "restraint_stiffness": 0.05}
 _SPREAD = Number(0.0, 0.9)
-MILD_STEEL = 40.4, 5.0  # D in 1/s and q of mild steel (cowper-symonds1957)
-_STRENGTHS = ("plastic_moment", "squash_load")  # overrides that grow with the yield stress
-_RATE_KEY = "rate"
+_RATES = "rate", "rate slow", "rate fast"  # the law itself, and D at both ends
 _GIVEN = "one input varied, both ways"
 
 
@@ -67,7 +66,7 @@ class Budget:
             for sign in (-1.0, 1.0):
                 factor = 1.0 + sign * share
                 varied[_key(name, sign * share)] = _VARY[name](scenario, factor)
-        return {**varied, _RATE_KEY: stronger(scenario, rate_factor(strain_rate(scenario)))}
+        return {**varied, **_rate_variations(scenario)}
 
     def shares(self, scenario: ColumnImpact) -> dict[str, float]:
         """Half-widths of the inputs that count in a scenario."""
@@ -100,7 +99,7 @@ class Budget:
                 for name, share in self.shares(scenario).items()
                 for ends in [[at(_key(name, -share)), at(_key(name, share))]]
             ]
-            parts = [form, *inputs, _rate_term(scenario, value, at(_RATE_KEY))]
+            parts = [form, *inputs, _rate_term(scenario, value, [at(name) for name in _RATES])]
             sums = [
                 together(name, of)
                 for name, of in ((REFERENCE, parts[:1]), (TOTAL, parts))
@@ -110,32 +109,26 @@ class Budget:
         return by_quantity
 
 
-def strain_rate(scenario: ColumnImpact) -> float:
-    """Mean strain rate of the steel in the hinges while the column is hit, 1/s.
-
-    The hit point moves at half the velocity that striker and lumped mass share at first; the
-    shorter segment turns as a bar, over a hinge as long as the section is high. A web that slides
-    instead has an equivalent rate (1 / 3^½ of its shear) 15 % higher.
-    """
-    column, striker = scenario.column, scenario.striker
-    shared = striker.mass / (striker.mass + column.properties.impact_mass)
-    mean = 0.5 * shared * striker.velocity
-    return 0.5 * mean / min(column.length_below, column.length_above)
+def rate_law(scenario: ColumnImpact) -> CowperSymonds:
+    """The rate law of the steel, or of the grade that its yield stress is nearest to."""
+    steel = scenario.column.steel
+    nearest = min(GRADES.values(), key=lambda grade: abs(grade[0] - steel.yield_stress))
+    return steel.rate or nearest[1]
 
 
-def rate_factor(rate: float) -> float:
-    """Yield stress of mild steel at a strain rate (1/s) over the static one."""
-    reference, exponent = MILD_STEEL
-    return float(1.0 + (rate / reference) ** (1.0 / exponent))
+def _rate_variations(scenario: ColumnImpact) -> dict[str, ColumnImpact]:
+    law = rate_law(scenario)
+    laws: dict[str, CowperSymonds] = {}
+    if scenario.column.steel.rate is None:
+        laws[_RATES[0]] = law
+    if law.slow is not None and law.fast is not None:
+        for name, rate in zip(_RATES[1:], (law.slow, law.fast), strict=True):
+            laws[name] = replace(law, reference_rate=rate, slow=None, fast=None)
+    return {name: with_rate(scenario, each) for name, each in laws.items()}
 
 
-def stronger(scenario: ColumnImpact, factor: float) -> ColumnImpact:
-    """The scenario with another yield stress, and the strengths given for the section alike."""
-    column = scenario.column
-    strengths = {name: getattr(column, name) for name in _STRENGTHS}
-    given = {name: factor * value for name, value in strengths.items() if value is not None}
-    steel = replace(column.steel, yield_stress=factor * column.steel.yield_stress)
-    return replace(scenario, column=replace(column, steel=steel, **given))
+def _stronger(scenario: ColumnImpact, factor: float) -> ColumnImpact:
+    return replace(scenario, column=scenario.column.stronger(factor))
 
 
 def _heavier(scenario: ColumnImpact, factor: float) -> ColumnImpact:
@@ -151,7 +144,7 @@ def _restrained(scenario: ColumnImpact, factor: float) -> ColumnImpact:
 _VARY: dict[str, Callable[[ColumnImpact, float], ColumnImpact]] = {
     "velocity": lambda scenario, factor: scenario.at_velocity(factor * scenario.striker.velocity),
     "mass": _heavier,
-    "yield_stress": stronger,
+    "yield_stress": _stronger,
     "restraint_stiffness": _restrained,
 }
 
@@ -160,11 +153,19 @@ def _key(name: str, share: float) -> str:
     return f"{name} {100 * share:+g} %"
 
 
-def _rate_term(scenario: ColumnImpact, value: float, stronger_value: float | None) -> Term:
-    rate = strain_rate(scenario)
-    term = varied_term(RATE, value, [stronger_value], "[@cowper-symonds1957]")
-    text = f"estimate: {rate_factor(rate):.2f} times the yield stress at {rate:.2g} 1/s, one-sided"
-    return replace(term, reason=text if term.known else term.reason, pulls=True)
+def _rate_term(scenario: ColumnImpact, value: float, answers: Sequence[float | None]) -> Term:
+    """What the rate law of the steel leaves open; it moves an answer that has none."""
+    law, given = rate_law(scenario), scenario.column.steel.rate is not None
+    if law.slow is None or law.fast is None:
+        text = "the 90 % interval of D is not given (D_range)"
+        return Term(RATE, text, "", 0.0, None, None)
+    middle, *ends = (value, *answers[1:]) if given else answers
+    term = varied_term(RATE, middle or value, ends, "[@cowper-symonds1957]")
+    if middle is None or not term.known:
+        return replace(term, below=None, above=None)
+    text = f"D {law.slow:g} to {law.fast:g} 1/s" + ("" if given else "; the answer knows no rate")
+    reason = "; ".join(filter(None, (text, term.reason)))
+    return replace(term, reason=reason, shift=0.0 if isinf(middle) else log(middle / value))
 
 
 def _value(answer: Response | None, quantity: str) -> float | None:

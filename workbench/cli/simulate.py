@@ -109,6 +109,7 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         **{name: last(name) for name in structural},
         "places": places_of(response),
         **_parts(response, scenario),
+        "rate_factor": response.attrs.get("rate_factor"),
         "error": attribute("error"),
         "numerical_uncertainty": attribute("numerical_uncertainty"),
         "refinement": attribute("refinement"),
@@ -208,6 +209,9 @@ def _lines(answer: dict[str, Any]) -> Iterator[tuple[str, str]]:
     for name in ENERGIES:
         if energies[name] is not None:
             yield f"{VARIABLES[name].long_name}, at the end", in_unit(energies[name], name)
+    if answer["rate_factor"] is not None:
+        text = f"{answer['rate_factor']:.3f} times the static one, at the strain rate of the hinges"
+        yield "yield stress", text
     if energies["relative_balance_error"] is not None:
         error = energies["relative_balance_error"]
         yield "largest energy error over the input energy", f"{error:.1e}"

@@ -121,7 +121,8 @@ def fiber_section(frame: Frame, member: Member, layers: int, hardening_ratio: fl
     steel = frame.steel
     y, area = frame.strength_section(member).fibers(layers)
     modulus = steel.elastic_modulus
-    law = LinearHardening(modulus, steel.yield_stress, hardening_ratio * modulus)
+    hardening = steel.hardening_modulus or hardening_ratio * modulus
+    law = LinearHardening(modulus, steel.yield_stress, hardening, rate=steel.rate)
     return BeamSection(y, area, law, frame.properties(member).mass_per_length)
 
 

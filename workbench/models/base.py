@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
 from workbench.fields import Declared, check_keys
 from workbench.models.domain import implausible
+from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import (
     Finding,
     Outcome,
@@ -34,7 +35,9 @@ class Model(Protocol):
     """Answers a scenario with a response; a frozen dataclass whose fields are its options.
 
     `name` and `version` (raised when its numbers change) identify it; `answers` lists the
-    scenario kinds; `assumptions` are sentences for the report.
+    scenario kinds; `assumptions` are sentences for the report. A model that knows strain rate or
+    hardening by itself has a `material` that names them; the others run with the factor of
+    `with_strain_rate` on the yield stress.
     """
 
     name: ClassVar[str]
@@ -71,13 +74,14 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
         return _signed(response, model, scenario, started)
     warnings: list[Finding] = []
     refusals: list[Finding] = []
-    for each in (*model.domain(scenario), *implausible(scenario)):
+    solved, factor, left_out = with_strain_rate(model, scenario)
+    for each in (*model.domain(scenario), *implausible(scenario), *left_out):
         (refusals if each.refusal else warnings).append(each)
     if refusals:
         response = refused_response(refusals)
     else:
         try:
-            response = solve(scenario)
+            response = solve(solved)
             check_response(response)
         except CollapseError as error:
             response = collapsed_response(error)
@@ -87,6 +91,8 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
             response = refused_response([Finding("domain", str(error), refusal=True)])
     if warnings:
         set_findings(response, [*warnings, *findings_of(response)])
+    if factor != 1.0:
+        response.attrs["rate_factor"] = factor
     return _signed(response, model, scenario, started)
 
 

@@ -52,7 +52,7 @@ class EnergyEstimate(OnCurve):
         "20 m/s).",
         "Elastic unloading with the initial stiffness gives the permanent displacement.",
         "No shear yielding but with resistance = panel, the static curve of "
-        "`four-dof-shear`; no local buckling, no strain-rate effect.",
+        "`four-dof-shear`; no local buckling; strain rate by one factor.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 

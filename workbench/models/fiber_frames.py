@@ -23,7 +23,7 @@ COMMON = (
     "Plane sections, elastic-perfectly plastic fibers; bending moments exactly linear between the "
     "ends: the axial force does not bend the element itself (option elements).",
     "Joints turn elastically; their strength is that of the member.",
-    "No shear yielding, no local buckling, no strain-rate effect.",
+    "No shear yielding, no local buckling; strain rate by one factor.",
 )
 
 

@@ -193,7 +193,7 @@ class PlasticHinge(BarHinges):
         "Normal flow on the chosen surface (its convex hull); joints weaker than the member "
         "interact linearly.",
         "Exact stability functions between the ends, with the shortening by bending.",
-        "No shear yielding, no local buckling, no strain-rate effect.",
+        "No shear yielding, no local buckling; strain rate by one factor.",
     )
 
     def curve(self, frame: Frame, piece: Piece, joint_governs: bool) -> Array:
@@ -220,7 +220,7 @@ class QuasiPlasticHinge(PlasticHinge):
         "plastic zone of a linear moment with its zero half-way spreads; flow normal to the "
         "surface reached.",
         "Isotropic: after a reversal an end is elastic up to the moment that it has reached.",
-        "No residual stress, no shear yielding, no local buckling, no strain-rate effect.",
+        "No residual stress, no shear yielding, no local buckling; strain rate by one factor.",
     )
     in_cycles: ClassVar[str] = (
         "after the first full hinge of an end its yielding is sudden, as in the plastic hinge"
@@ -261,7 +261,7 @@ class RefinedPlasticHinge(BarHinges):
         "compression alone.",
         "Moments return to the surface without normal flow: in catenary action the axial force "
         "wins and moments vanish.",
-        "No shear yielding, no local buckling, no strain-rate effect.",
+        "No shear yielding, no local buckling; strain rate by one factor.",
     )
 
     def parts(self, scenario: FrameScenario) -> list[int]:

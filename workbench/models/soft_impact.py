@@ -135,7 +135,7 @@ class SoftImpact(OnCurve):
         "springs of the elastic column; with resistance = panel the "
         "static curve of `four-dof-shear`.",
         "At most one third of the column's mass acts at the hit point; a head mass is left out.",
-        "No local buckling, no strain-rate effect.",
+        "No local buckling; strain rate by one factor.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017", "ceb1988", "en1991-1-7")
 

@@ -63,7 +63,7 @@ COMMON = (
     "Webs of I, box and tube sections deform and yield in shear (option shear), with the "
     "N-M-V domain of the plates at both ends, root fillets in the flanges; beside joints weaker "
     "than the member, and in other sections, members are rigid in shear.",
-    "No local buckling, no strain-rate effect.",
+    "No local buckling; strain rate by one factor.",
 )
 
 
@@ -134,6 +134,11 @@ class _HingedBars(BarFrames):
             first_order=self.first_order,
         )
         return self.stand(frame, (coordinates, nodes, pieces), group, parts)
+
+    @property
+    def shear_yields(self) -> bool:
+        """Whether webs slide where they carry less than their mechanism needs."""
+        return self.shear != "none"
 
     def _web(self, frame: Frame, member: Member) -> ShearSurface | None:
         """The web of a member that yields in shear, if it does."""

@@ -62,8 +62,10 @@ class FiberCorotational(FiberReference):
         "Elastic shear strain of the shear area (option shear_flexible), no shear yielding.",
         "Elastic stiffness and strength are both those of the fibers (column.fillets applies to "
         "both); the mass is that of the rolled profile, distributed along the member.",
-        "Point contact; no local denting, no local buckling, no strain-rate effect, no fracture.",
+        "Point contact; no local denting, no local buckling, no fracture; strain rate and "
+        "hardening as the steel has them.",
     )
+    material: ClassVar[tuple[str, ...]] = ("rate", "hardening")
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
     def simulate(self, scenario: Scenario) -> Response:

@@ -13,7 +13,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from workbench.fields import Choice, Flag, Number, checked
+from workbench.fields import Choice, Number, checked
 from workbench.frames.members import named, shear_stiffness
 from workbench.materials import Steel
 from workbench.models.frame_model import COLUMNS, as_frame
@@ -26,8 +26,6 @@ from workbench.sections.shapes import ISection
 from workbench.structures.fibers import PATTERNS, BeamSection, section_fibers
 from workbench.structures.fibers.beams import ReissnerBeams
 from workbench.structures.fibers.section import (
-    MILD_STEEL,
-    CowperSymonds,
     LinearHardening,
     MenegottoPinto,
     ShearYielding,
@@ -112,17 +110,13 @@ class FiberReissner(ExactBeams):
     of the depth; `steel_law`, linear hardening or Menegotto-Pinto; `hardening_ratio`, kinematic
     hardening modulus (or slope of the hardening line) over the elastic one, by default
     regularisation only: perfect plasticity has no limit of the mesh at large rotations, as a hinge
-    has no length; `isotropic_ratio`, isotropic hardening modulus over the elastic one;
-    `rate_sensitive`: yield stress after Cowper and Symonds with `rate_reference` in 1/s and
-    `rate_exponent`.
+    has no length, and a hardening modulus of the steel takes its place; `isotropic_ratio`,
+    isotropic hardening modulus over the elastic one. The strain rate is that of the steel.
     """
 
     levels: int = checked(LEVELS, 4)
     steel_law: str = checked(Choice(LAWS), "linear")
     isotropic_ratio: float = checked(Number(0.0, 0.1), 0.0)
-    rate_sensitive: bool = checked(Flag(), False)
-    rate_reference: float = checked(Number(1e-3, 1e9, "1/s"), MILD_STEEL.reference_rate)
-    rate_exponent: float = checked(Number(1.0, 50.0), MILD_STEEL.exponent)
 
     name: ClassVar[str] = "fiber-reissner"
     version: ClassVar[int] = 8
@@ -131,8 +125,8 @@ class FiberReissner(ExactBeams):
         "Plasticity of the fibers from normal stress alone; shear strain stays elastic.",
         "Elastic stiffness and strength are both those of the fibers (column.fillets applies to "
         "both); the mass is that of the rolled profile, distributed along the member.",
-        "Point contact; no local denting, no local buckling, no fracture; rate sensitivity, "
-        "hardening, residual stress and crookedness are options that are off by default.",
+        "Point contact; no local denting, no local buckling, no fracture; strain rate and "
+        "hardening as the steel has them; residual stress and crookedness are options.",
         "Elastic-perfectly plastic up to a hardening of 1e-6 E, which gives a hinge a length; "
         "without it forces at hinge rotations beyond 0.3 depend on the mesh.",
     )
@@ -140,18 +134,20 @@ class FiberReissner(ExactBeams):
     def check(self) -> None:
         """Refuse options that do not go together."""
         super().check()
-        if self.steel_law == "menegotto-pinto":
-            for name in ("rate_sensitive", "isotropic_ratio"):
-                if getattr(self, name):
-                    text = "is not known with steel_law = menegotto-pinto"
-                    raise self.refusal(name, text, "use steel_law = linear")
+        if self.steel_law == "menegotto-pinto" and self.isotropic_ratio:
+            text = "is not known with steel_law = menegotto-pinto"
+            raise self.refusal("isotropic_ratio", text, "use steel_law = linear")
+
+    @property
+    def material(self) -> tuple[str, ...]:
+        """What of the steel the fibers follow beside its static strength."""
+        linear = self.steel_law == "linear"
+        return ("rate", "hardening") if linear else ("static strength",)
 
     @property
     def sources(self) -> tuple[str, ...]:
         """Bibliography keys of the beam and of the options that are on."""
         keys = ["reissner1972", "simo1985", "simo-tarnow-doblare1995", "heng2017"]
-        if self.rate_sensitive:
-            keys.append("cowper-symonds1957")
         if self.steel_law == "menegotto-pinto":
             keys.append("menegotto-pinto1973")
         if self.residual_stress != "none":
@@ -167,11 +163,6 @@ class FiberReissner(ExactBeams):
         modulus = steel.elastic_modulus
         if self.steel_law == "menegotto-pinto":
             return MenegottoPinto(modulus, steel.yield_stress, self.hardening_ratio)
-        rate = CowperSymonds(self.rate_reference, self.rate_exponent)
-        return LinearHardening(
-            modulus,
-            steel.yield_stress,
-            self.hardening_ratio * modulus,
-            self.isotropic_ratio * modulus,
-            rate if self.rate_sensitive else None,
-        )
+        hardening = steel.hardening_modulus or self.hardening_ratio * modulus
+        isotropic = self.isotropic_ratio * modulus
+        return LinearHardening(modulus, steel.yield_stress, hardening, isotropic, steel.rate)

@@ -26,6 +26,7 @@ class FiberShear(ExactBeams):
     """
 
     name: ClassVar[str] = "fiber-shear"
+    material: ClassVar[tuple[str, ...]] = ("static strength",)
     version: ClassVar[int] = 7
     shear_yields: ClassVar[bool] = True
     longer: ClassVar[float] = 2.0  # webs that yield take the waves out

@@ -1,5 +1,7 @@
 """The impacted column: geometry, supports, striker; its pushover and its impact."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Self
@@ -14,6 +16,7 @@ from workbench.scenarios.parts import (
     member_properties,
     override,
     strength_section,
+    stronger,
 )
 from workbench.sections import SECTION, Section
 
@@ -90,6 +93,10 @@ class Column(Declared, table="column"):
         """Length (m) of the segment below and above, and whether its far end is clamped."""
         below = self.length_below, self.base == "clamped"
         return {"below": below, "above": (self.length_above, self.head != "pinned")}
+
+    def stronger(self, factor: float) -> Column:
+        """Return the column with another yield stress; strengths that are given grow alike."""
+        return replace(self, steel=self.steel.stronger(factor), **stronger(self, factor))
 
     def effective_length_factor(self) -> float:
         """Euler effective-length factor of the whole column: 0.5, 0.7 or 1."""

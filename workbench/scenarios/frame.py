@@ -26,6 +26,7 @@ from workbench.scenarios.parts import (
     Node,
     member_properties,
     strength_section,
+    stronger,
 )
 from workbench.sections import Section
 
@@ -98,6 +99,11 @@ class Frame(Declared, table="frame"):
             "member": {member.name: member for member in self.members},
             "joint": PREDEFINED | {joint.name: joint for joint in self.joints},
         }
+
+    def stronger(self, factor: float) -> Frame:
+        """Return the frame with another yield stress; strengths that are given grow alike."""
+        members = tuple(replace(each, **stronger(each, factor)) for each in self.members)
+        return replace(self, steel=self.steel.stronger(factor), members=members)
 
     @cached_property
     def turned(self) -> set[str]:

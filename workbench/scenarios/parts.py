@@ -94,6 +94,12 @@ def member_properties(part: Any, steel: Steel, length: float, fillets: bool) -> 
     )
 
 
+def stronger(part: Any, factor: float) -> dict[str, Any]:
+    """Return the strengths that are given for a column or member `part`, grown by a factor."""
+    given = {name: getattr(part, name) for name in ("plastic_moment", "squash_load")}
+    return {name: factor * value for name, value in given.items() if value is not None}
+
+
 @dataclass(frozen=True)
 class Node(Declared, table="node", label="name"):
     """A point where members meet. Raises `InputError`."""

@@ -42,7 +42,7 @@ class FourDof(RigidBars):
         *RigidBars.assumptions,
         "Elastic-perfectly plastic hinges with associated flow on a super-elliptic N-M surface; "
         "the thesis does not print its exponents, (1, 1.3) are inferred from its section.",
-        "No shear yielding, no local buckling, no strain-rate effect.",
+        "No shear yielding, no local buckling; strain rate by one factor on the yield stress.",
     )
 
     def surface(self, column: Column) -> YieldSurface:
@@ -84,6 +84,7 @@ class FourDofShear(RigidBars):
     hit_mass: str = checked(HIT_MASS, WAVES)
 
     name: ClassVar[str] = "four-dof-shear"
+    shear_yields: ClassVar[bool] = True
     version: ClassVar[int] = 7
     _CONTROL: ClassVar[tuple[tuple[float, float, float], ...]] = (
         (8e-5, 4e-3, 0.9),
@@ -94,7 +95,7 @@ class FourDofShear(RigidBars):
         "Uniform shear stress in the webs, none in the flanges; associated flow on the N-M-V "
         "domain of the plates, root fillets in the flanges.",
         "A web slides without limit, and a sliding bar stretches as its flanges are continuous: no "
-        "web buckling, no fracture, no mechanism of the flanges, no strain-rate effect.",
+        "web buckling, no fracture, no mechanism of the flanges; strain rate by one factor.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017", "en1993-1-5")
 

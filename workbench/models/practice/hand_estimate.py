@@ -67,7 +67,7 @@ class HandEstimate(Answering):
         "with a constant force; no elastic deformation, so that all displacement stays.",
         "The axial load lowers the plastic moment and does nothing else: no second-order work, no "
         "catenary action.",
-        "No shear yielding, no local buckling, no strain-rate effect.",
+        "No shear yielding, no local buckling; strain rate by one factor.",
     )
     sources: ClassVar[tuple[str, ...]] = ("biggs1964",)
 

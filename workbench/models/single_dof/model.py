@@ -38,6 +38,7 @@ from workbench.models.resistance.columns import PANEL
 from workbench.models.single_dof import march
 from workbench.models.single_dof.pulse import Pushed, moved_masses, pulse_response
 from workbench.models.single_dof.spring import pushed
+from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import (
     Finding,
     Outcome,
@@ -101,7 +102,7 @@ class SingleDof(OnCurve):
         "At most one third of the column's mass acts at the hit point, under a pulse that of the "
         "deflected shape; a head mass is left out.",
         "No shear yielding but with resistance = panel, the static curve of "
-        "`four-dof-shear`; no local buckling, no strain-rate effect.",
+        "`four-dof-shear`; no local buckling; strain rate by one factor on the yield stress.",
         "A curve that is given (NAME.csv) stands for the whole member, mass and unloading are as "
         "without it, and behind its last point there is no answer.",
     )
@@ -168,7 +169,7 @@ class SingleDof(OnCurve):
             try:
                 if refusals:
                     raise OutOfDomainError("; ".join(refusals))
-                heavy = self.with_mass(scenario)
+                heavy = self.with_mass(with_strain_rate(self, scenario)[0])
                 row = {**_scalars(heavy, *self._march(heavy)), "outcome": Outcome.OK, "failure": ""}
             except tuple(_ENDINGS) as error:
                 row = {"outcome": _ENDINGS[type(error)], "failure": str(error)}

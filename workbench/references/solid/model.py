@@ -85,6 +85,7 @@ class SolidPlaneStress(Declared, table="option"):
     levels: int = checked(LEVELS, 2)
 
     name: ClassVar[str] = "solid-plane-stress"
+    material: ClassVar[tuple[str, ...]] = ("static strength",)
     version: ClassVar[int] = 2
     judged: ClassVar[bool] = False
     answers: ClassVar[tuple[str, ...]] = (ColumnPushover.KIND, ColumnImpact.KIND)

@@ -14,6 +14,7 @@ import numpy as np
 from workbench.arrays import Array, Indices
 from workbench.errors import InputError
 from workbench.fields import Declared, Number, checked
+from workbench.materials import CowperSymonds
 from workbench.sections import Section
 from workbench.sections.shapes import CircularTube, ISection, Rectangle
 from workbench.structures.fibers import kernels
@@ -27,21 +28,6 @@ _SHARE = Number(0.0, 0.9999)
 def parameters(*values: float) -> Array:
     """Numbers of a law for the kernels, (8,)."""
     return np.array([*values, *[0.0] * (8 - len(values))])
-
-
-@dataclass(frozen=True)
-class CowperSymonds(Declared, table="rate"):
-    """Rate sensitivity: the stress at plastic strain rate r is fy (1 + (r / D)^(1 / q)).
-
-    Arguments: `reference_rate` D in 1/s, `exponent` q. Source: Cowper and Symonds 1957; values of
-    mild steel in Jones 2012, table 8.1.
-    """
-
-    reference_rate: float = checked(_ABOVE_ZERO)
-    exponent: float = checked(Number(1.0, 1e6))
-
-
-MILD_STEEL = CowperSymonds(40.4, 5.0)
 
 
 @dataclass(frozen=True)

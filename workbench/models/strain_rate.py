@@ -1,0 +1,101 @@
+"""Strain rate by one factor on the yield stress: level A, for every model that knows no rate.
+
+The factor is that of the hinges, or of the sliding webs, of the struck member while striker and hit
+mass move at the velocity that they share after the hit, averaged by work over the bars and over the
+way in which the striker is slowed down. All strengths grow alike; stiffness, mass and axial load
+stay. See docs/theory/strain-rate.md.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+from workbench.frames.column_estimate import column_like
+from workbench.hinges.rate import hinge_overstress, overstress_shape, panel_overstress
+from workbench.materials import CowperSymonds, Steel
+from workbench.models.domain import mechanism_demand
+from workbench.responses import Finding, finding
+from workbench.scenarios import ColumnImpact, FrameImpact
+
+
+def with_strain_rate(model: Any, scenario: Any) -> tuple[Any, float, list[Finding]]:
+    """Return the scenario that a model solves for one whose steel has a rate or hardens.
+
+    With the factor on the yield stress in it, and findings of what the model leaves out. A model
+    that knows strain rate or hardening by itself says so: its `material` names "rate",
+    "hardening"; one that answers with the static strength, "static strength". Statics know no rate.
+    """
+    steel = steel_of(scenario)
+    if steel is None or (steel.rate is None and steel.hardening_modulus is None):
+        return scenario, 1.0, []
+    known, findings, factor = getattr(model, "material", ()), [], 1.0
+    if steel.hardening_modulus is not None and "hardening" not in known:
+        share = steel.hardening_modulus / steel.elastic_modulus
+        findings.append(finding("hardening", share))
+        scenario = _of_steel(scenario, hardening_modulus=None)
+    if steel.rate is not None and "rate" not in known and not scenario.STATIC:
+        column = _struck(scenario)
+        if column is None or "static strength" in known:
+            findings.append(finding("strain-rate", kind=scenario.KIND))
+        else:
+            factor = rate_factor(column, getattr(model, "shear_yields", False))
+        scenario = stronger(scenario, factor)
+    return scenario, factor, findings
+
+
+def stronger(scenario: Any, factor: float) -> Any:
+    """Return the scenario of a steel without rate law and that many times as strong."""
+    part = "column" if hasattr(scenario, "column") else "frame"
+    scenario = _of_steel(scenario, rate=None)
+    return replace(scenario, **{part: getattr(scenario, part).stronger(factor)})
+
+
+def with_rate(scenario: Any, law: CowperSymonds | None) -> Any:
+    """Return the scenario of a steel with that rate law."""
+    return _of_steel(scenario, rate=law)
+
+
+def _of_steel(scenario: Any, **changes: Any) -> Any:
+    """The scenario with another steel."""
+    name = "column" if hasattr(scenario, "column") else "frame"
+    part = getattr(scenario, name)
+    return replace(scenario, **{name: replace(part, steel=replace(part.steel, **changes))})
+
+
+def steel_of(scenario: Any) -> Steel | None:
+    """Return the steel of a column or a frame; None of what has none."""
+    part = getattr(scenario, "column", None) or getattr(scenario, "frame", None)
+    return getattr(part, "steel", None)
+
+
+def rate_factor(scenario: ColumnImpact, shear_yields: bool = False) -> float:
+    """Mean factor on the yield stress of a struck column whose steel has a rate law.
+
+    Arguments: whether webs slide in the model where their mechanism needs more shear force than
+    they carry (`shear_yields`).
+    """
+    column, striker = scenario.column, scenario.striker
+    law, properties = column.steel.rate, column.properties
+    assert law is not None
+    velocity = striker.velocity * striker.mass / (striker.mass + properties.impact_mass)
+    q, height, section = law.exponent, column.section.height, column.strength_section
+    shape, demand = overstress_shape(section, q), mechanism_demand(column)
+    weighted = whole = 0.0
+    for bar, (length, clamped) in column.bars.items():
+        if shear_yields and demand[bar] > 1.0:
+            force = properties.shear_resistance
+            over = panel_overstress(velocity / length, law)
+            over *= 2.0 * q / (2.0 * q + 1.0)  # its mean over the way, as v grows with (1 - s)^1/2
+        else:
+            force = (2.0 if clamped else 1.0) * properties.plastic_moment / length
+            inflection = 0.5 * length if clamped else length
+            over = hinge_overstress(velocity / length, inflection, height, shape, law)
+            over *= (2.0 * q + 2.0) / (2.0 * q + 3.0)
+        weighted, whole = weighted + force * over, whole + force
+    return 1.0 + weighted / whole
+
+
+def _struck(scenario: Any) -> ColumnImpact | None:
+    """The struck column, None where there is none."""
+    if isinstance(scenario, ColumnImpact):
+        return scenario
+    return column_like(scenario) if isinstance(scenario, FrameImpact) else None
