@@ -17,6 +17,7 @@ from workbench.evidence.error_model import ExpectedError, anchor_error, expected
 from workbench.evidence.error_table import ANCHOR, FINEST, REFERENCE, TABLES
 from workbench.frames.runs import LARGEST_SHEAR_STRAIN
 from workbench.models.base import Model
+from workbench.models.strain_rate import with_strain_rate
 from workbench.registry import make_model
 from workbench.responses import (
     Finding,
@@ -180,7 +181,7 @@ def is_inside(name: str, scenario: Any) -> bool:
     if name == REFERENCE and _shears_far(scenario):
         return False
     try:
-        findings = model.domain(scenario)
+        findings = [*model.domain(scenario), *with_strain_rate(model, scenario)[2]]
         if name == ANCHOR and scenario.KIND in TABLES:
             error = anchor_error(scenario)
             if error.chance is None:
