@@ -4,7 +4,7 @@ import sys
 
 from workbench.assessment import Gate
 from workbench.cli import main
-from workbench.impact.schemes import CLASSICAL, SCHEMES
+from workbench.impact.schemes import CLASSICAL, ELASTIC, LAW, SCHEMES
 from workbench.models.integrators import ImpactExact, ImpactIntegrator, problem_of
 from workbench.scenarios import ImpactProblem
 from workbench.scenarios.laboratory import PROBLEMS
@@ -30,9 +30,13 @@ COMMITTED = "Plastic flow is committed step by step: first order, where impacts 
 STEPPED = "First order through impacts, at the finest step of the ladder."
 TIGHT = "The second constraint closes every gap at the end of every step."
 KEPT = "Discrete gradients and elastic impacts: energy is kept to round-off."
+ONCE = "First order through elastic impacts, the only ones that the scheme knows."
+SPRUNG = "The spring of the contact does the work that it stores: energy is kept to round-off."
 SEEN = "No impact of a smooth answer is stepped over or invented."
-IMPULSES = tuple(n for n in SCHEMES if n not in (*CLASSICAL, "event-driven"))
+IMPULSES = tuple(n for n, s in SCHEMES.items() if s.restitution == LAW and n != "event-driven")
+REBOUND = tuple(n for n, s in SCHEMES.items() if s.restitution == ELASTIC)
 PLASTIC = ("column", "frame")
+ONE_BY_ONE = "ggl-studer", "cradle"  # a gap that is just closed is not seen: no impacts at once
 HIT = tuple(name for name in PROBLEMS if name not in ("ball-elastic", "grazing"))
 
 
@@ -52,10 +56,15 @@ gates = (
         *(n for n in PROBLEMS if n not in PLASTIC),
     ),
     gate("event-driven", "relative_error", 5e-3, COMMITTED, *PLASTIC),
-    *(gate(name, "relative_error", 0.05, STEPPED, *HIT) for name in IMPULSES),
+    *(
+        gate(name, "relative_error", 0.05, STEPPED, *(n for n in HIT if (name, n) != ONE_BY_ONE))
+        for name in IMPULSES
+    ),
+    *(gate(name, "relative_error", 0.05, ONCE, "oscillator") for name in REBOUND),
     gate("ggl", "largest_penetration", 1e-10, TIGHT),
     gate("ggl-split", "largest_penetration", 1e-10, TIGHT),
     gate("midpoint", "energy_drift", 1e-9, KEPT, "ball-elastic", "cradle", "oscillator"),
+    gate("newmark-penalty", "energy_drift", 1e-9, SPRUNG, "ball-elastic", "cradle", "oscillator"),
     gate("event-driven", "missed_impacts", 0.5, SEEN, "table", "two-masses", "oscillator"),
     gate("event-driven", "spurious_impacts", 0.5, SEEN, "table", "oscillator", "grazing"),
 )
@@ -113,6 +122,9 @@ study = Study(
         "Impulses between velocities (Moreau-Jean, the midpoint schemes, generalized-alpha with "
         "velocities updated at impact, central differences) misplace an impact by up to a step: "
         "first order, however smooth the motion between.",
+        "`newmark-rates` and `newmark-penalty` (after Zolghadr Jahromi and Izzuddin) know elastic "
+        "impacts alone: where restitution is below 1 they answer another problem. The contact of "
+        "`ggl-studer` oscillates while it lasts, at amplitudes of the square of the step.",
         "Time is that of plain Python, of the finest run; compiled steppers of the models take the "
         "same steps (tests hold them to 1e-10).",
     ),

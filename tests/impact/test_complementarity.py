@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from workbench.impact.complementarity import TOLERANCE, complementary
+from workbench.impact.complementarity import TOLERANCE, complementary, fixed_point
 
 
 def random_problem(rng: np.random.Generator, number: int):
@@ -49,6 +49,35 @@ def test_the_conditions_of_contact_hold_on_random_problems() -> None:
 @pytest.mark.slow
 def test_the_conditions_of_contact_hold_on_ten_thousand_random_problems() -> None:
     check_random_problems(10_000)
+
+
+def test_the_fixed_point_meets_the_pivots_at_the_rate_of_the_largest_eigenvalue() -> None:
+    """One contact takes one turn; of a chain of n balls the error shrinks by (1 + cos a) / 2."""
+    impulses, residual, turns = fixed_point(np.array([[2.0]]), np.array([-3.0]), 9)
+    assert (impulses[0], residual, turns) == (1.5, 0.0, 1)
+    for n in (3, 5, 10):  # contacts, G = (2, -1), the row sums 4; pi / (n + 1) the lowest mode
+        G = 2.0 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+        q = -np.linspace(1.0, 2.0, n)
+        exact = complementary(G, q)[0]
+        errors = [np.abs(fixed_point(G, q, turns)[0] - exact).max() for turns in (80, 81)]
+        rate = 0.5 * (1.0 + np.cos(np.pi / (n + 1)))
+        assert errors[1] / errors[0] == pytest.approx(rate, abs=1e-4)
+        impulses, residual, turns = fixed_point(G, q, 10_000)
+        assert residual <= 1e-11
+        np.testing.assert_allclose(impulses, exact, rtol=1e-9)
+    _, residual, turns = fixed_point(G, q, 20)
+    assert turns == 20
+    assert residual > 1e-3
+
+
+def test_the_fixed_point_meets_the_pivots_on_random_problems() -> None:
+    rng = np.random.default_rng(4)
+    for _ in range(100):
+        W = rng.normal(size=(8, rng.integers(1, 6)))
+        G, free = W.T @ W, W.T @ rng.normal(size=8)
+        impulses, residual, _ = fixed_point(G, free, 100_000)
+        assert residual <= 1e-11
+        np.testing.assert_allclose(impulses, complementary(G, free)[0], rtol=1e-6, atol=1e-8)
 
 
 @pytest.mark.parametrize("delassus", [[[1.0, -1.0], [-1.0, 1.0]], np.diag([1.0, 0.0])])

@@ -179,6 +179,32 @@ def _swept(A, b, z):
     return residual if z.max() <= _LARGEST else np.inf
 
 
+@njit(cache=True, error_model="numpy")
+def fixed_point(G, q, turns):
+    """Impulses by z <- max(z - r (G z + q), 0), their residual, and how many turns that took.
+
+    Heng 2017, eq. 3.28, of all contacts at once; 1 / r is the largest sum of the moduli of a row of
+    G, its single entry for one contact, in the units of `complementary`. At most `turns`.
+    """
+    if q.size == 0 or q.min() >= 0.0:
+        return np.zeros(q.size), 0.0, 0
+    scale, A, b = _scaled(G, q)
+    z, r, residual, turn = np.zeros(q.size), 1.0 / np.abs(A).sum(axis=1).max(), np.inf, 0
+    while turn < turns and residual > 0.1 * TOLERANCE:
+        z = np.maximum(z - r * (A @ z + b), 0.0)
+        residual, turn = residual_of(A, b, z), turn + 1
+    return z * scale, residual, turn
+
+
+@njit(cache=True, error_model="numpy")
+def _solution(G, q, turns):
+    """Impulses and residual: by pivoting, or in at most so many `turns` of the fixed point."""
+    if turns == 0:
+        return complementary(G, q)
+    z, residual, _ = fixed_point(G, q, turns)
+    return z, residual
+
+
 @dataclass(frozen=True)
 class Restitution(Declared, table="restitution"):
     """What comes back after an impact.
@@ -204,19 +230,19 @@ class Restitution(Declared, table="restitution"):
 
 
 @njit(cache=True, error_model="numpy")
-def percussions(G, free, start, e, poisson):
+def percussions(G, free, start, e, poisson, turns=0):
     """Impulses of simultaneous impacts, and their residual.
 
     Arguments: `G` (n, n) in 1/kg; `free` and `start`, gap velocities (n,) in m/s without impulses
-    and before the impact; `e` (n,), coefficients; whether the law is Poisson's.
-
+    and before the impact; `e` (n,), coefficients; whether the law is Poisson's; `turns`, at most,
+    of the fixed point instead of pivots.
     """
     if not poisson:
         xi = np.empty(free.size)
         for i in range(free.size):
             xi[i] = free[i] + rebound(start[i], e[i]) * start[i]
-        return complementary(G, xi)
-    pressed, first = complementary(G, free)
+        return _solution(G, xi, turns)
+    pressed, first = _solution(G, free, turns)
     back = (1.0 + e) * pressed
-    extra, second = complementary(G, free + G @ back)
+    extra, second = _solution(G, free + G @ back, turns)
     return back + extra, max(first, second)

@@ -36,17 +36,21 @@ class State(NamedTuple):
 
 
 class Law(NamedTuple):
-    """Restitution as the steps take it: coefficients (m,) and whether it is Poisson's."""
+    """Restitution as the steps take it: coefficients (m,) and whether it is Poisson's.
+
+    `turns`, at most, of the fixed point that finds impulses (0: they are found by pivoting).
+    """
 
     e: Array
     poisson: bool
+    turns: int = 0
 
 
 class Step(NamedTuple):
     """A step taken: `state` at its end, `impulses` (m,) in N s, residual evaluations, residual.
 
     `loss` is the energy (J) lost in its contacts, NaN for minus the work of the impulses on the
-    mean gap velocities.
+    mean gap velocities; `stored` that which the contacts hold at its end.
     """
 
     state: State
@@ -54,6 +58,7 @@ class Step(NamedTuple):
     evaluations: int
     residual: float
     loss: float
+    stored: float = 0.0
 
 
 Stepper = Callable[[Any, Law, State, float], Step]
@@ -69,10 +74,10 @@ def rates_of(system: System, v: Array, t: float) -> Array:
     return np.asarray(system.normals.T @ v + system.surface(t)[1])
 
 
-def forecast(system: System, state: State, reach: float) -> Flags:
-    """Contacts whose gap, forecast for the share `reach` of a step in s ahead, is closed."""
+def forecast(system: System, state: State, reach: float, slack: float = SLACK) -> Flags:
+    """Contacts whose gap, forecast for `reach` in s ahead, is closed: not above `slack` in m."""
     closing = np.minimum(rates_of(system, state.v, state.t), 0.0)
-    return np.asarray(gaps_of(system, state.q, state.t) + reach * closing <= SLACK)
+    return np.asarray(gaps_of(system, state.q, state.t) + reach * closing <= slack)
 
 
 def impulses_on(
@@ -90,7 +95,7 @@ def impulses_on(
     back = np.linalg.solve(matrix, W)
     start = rates_of(system, state.v, state.t)[on]
     gamma = W.T @ free + system.surface(t)[1][on]
-    P[on], residual = percussions(W.T @ back, gamma, start, law.e[on], law.poisson)
+    P[on], residual = percussions(W.T @ back, gamma, start, law.e[on], law.poisson, law.turns)
     return free + back @ P[on], P, residual
 
 
@@ -250,7 +255,7 @@ def run(
     state = State(q, v, a, np.zeros(m), 0.0)
     evaluations, begin = 0, perf_counter()
     for n in range(1, count + 1):
-        state, impulses[n], spent, residual, loss = stepper(system, given, state, h)
+        state, impulses[n], spent, residual, loss, held = stepper(system, given, state, h)
         evaluations += spent
         if not residual <= _SOLVED or not np.isfinite(state.q).all():
             tried = "Newton's method with the contact law inside; reduce the step"
@@ -259,6 +264,7 @@ def run(
             raise SolverError(f"time {(n - 1) * h:.6g} s (step of {h:.3g} s)", residual, tried)
         records[0][n], records[1][n] = state.q, state.v
         energies[n] = *system.energy(), loss
+        energies[n, 0] += held
     seconds = perf_counter() - begin
     t = np.linspace(0.0, duration, count + 1)
     kinetic = 0.5 * np.einsum("ki,ij,kj->k", records[1], mass, records[1])

@@ -70,7 +70,7 @@ class ImpactIntegrator(Answering):
     answers: ClassVar[tuple[str, ...]] = (ImpactProblem.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Unilateral contact without friction; restitution by the law of the problem, which schemes "
-        "with contact at the end position do not know.",
+        "with contact at the end of a step do not know: none comes back there by rule, or all.",
         "Plain Python: compare costs by evaluations of the forces, times only among these schemes.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017", "moreau1988")

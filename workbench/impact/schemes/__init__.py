@@ -9,18 +9,23 @@ from workbench.errors import InputError
 from workbench.fields import did_you_mean
 from workbench.impact.laboratory import Stepper
 from workbench.impact.schemes.event_driven import event_driven
+from workbench.impact.schemes.newmark import (
+    energy_penalty,
+    generalized_alpha,
+    hht_alpha,
+    newmark,
+    newmark_rates,
+)
 from workbench.impact.schemes.time_stepping import (
     central_differences,
     energy_midpoint,
     gear_gupta_leimkuhler,
-    generalized_alpha,
-    hht_alpha,
     moreau_jean,
     moreau_midpoint,
-    newmark,
 )
 
 MOMENTUM, ENERGY, LINEAR_ENERGY = "momentum", "energy", "energy of linear systems"
+LAW, ELASTIC, NONE = "law", "elastic", "none"
 
 
 @dataclass(frozen=True)
@@ -30,7 +35,8 @@ class Scheme:
     Arguments: `stepper` makes its step; `order` of smooth motion; `impact_order` through impacts
     (0: the answer does not converge); what it `conserves` without dissipation in contact;
     `penetration` (a, b), so that gaps stay above -(a h V + b h^2 A), V and A the largest approach
-    and relative acceleration; `stable`, largest omega h of linear vibrations.
+    and relative acceleration; `stable`, largest omega h of linear vibrations; what comes back after
+    an impact: the `restitution` of the law, all (elastic), or what the grid draws (none).
     """
 
     title: str
@@ -40,6 +46,7 @@ class Scheme:
     conserves: tuple[str, ...]
     penetration: tuple[float, float]
     stable: float = inf
+    restitution: str = LAW
 
     @cached_property
     def stepper(self) -> Stepper:
@@ -56,7 +63,17 @@ SCHEMES: dict[str, Scheme] = {
     "midpoint": Scheme(
         "energy-conserving midpoint", energy_midpoint, 2, 1, (MOMENTUM, ENERGY), (1.0, 2.0)
     ),
+    "midpoint-fixed-point": Scheme(
+        "energy-conserving midpoint, impulses by fixed point",
+        lambda: energy_midpoint(turns=10_000),
+        *(2, 1, (MOMENTUM, ENERGY), (1.0, 2.0)),
+    ),
     "ggl": Scheme("Gear-Gupta-Leimkuhler", gear_gupta_leimkuhler, 2, 1, _BOTH, (0.0, 0.0)),
+    "ggl-studer": Scheme(
+        "Gear-Gupta-Leimkuhler, Studer's first",
+        lambda: gear_gupta_leimkuhler(0.5, late=False),
+        *(2, 1, _BOTH, (0.5, 2.0)),
+    ),
     "ggl-split": Scheme(
         "Gear-Gupta-Leimkuhler, split",
         lambda: gear_gupta_leimkuhler(0.5, split=True),
@@ -65,11 +82,30 @@ SCHEMES: dict[str, Scheme] = {
     "event-driven": Scheme(
         "event-driven Runge-Kutta", event_driven, 4, 4, (MOMENTUM,), (0.0, 0.0), sqrt(8.0)
     ),
-    "newmark": Scheme("Newmark, contact at the end", newmark, 2, 0, _BOTH, (0.0, 0.0)),
-    "hht-alpha": Scheme("HHT-alpha, contact at the end", hht_alpha, 2, 0, (MOMENTUM,), (0.0, 0.0)),
+    "newmark": Scheme(
+        "Newmark, contact at the end",
+        *(newmark, 2, 0, _BOTH, (0.0, 0.0)),
+        restitution=NONE,
+    ),
+    "newmark-rates": Scheme(
+        "Newmark, contact velocity at the end",
+        *(newmark_rates, 2, 1, _BOTH, (0.5, 2.0)),
+        restitution=ELASTIC,
+    ),
+    "newmark-penalty": Scheme(
+        "Newmark, penalty that keeps energy",
+        *(energy_penalty, 2, 1, _BOTH, (0.5, 2.0)),
+        restitution=ELASTIC,
+    ),
+    "hht-alpha": Scheme(
+        "HHT-alpha, contact at the end",
+        *(hht_alpha, 2, 0, (MOMENTUM,), (0.0, 0.0)),
+        restitution=NONE,
+    ),
     "generalized-alpha": Scheme(
         "generalized-alpha, contact at the end",
         *(generalized_alpha, 2, 0, (MOMENTUM,), (0.0, 0.0)),
+        restitution=NONE,
     ),
     "generalized-alpha-impulses": Scheme(
         "generalized-alpha, velocities updated at impact",
