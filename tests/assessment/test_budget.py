@@ -101,6 +101,13 @@ def test_what_is_open_is_the_sensitivity_of_the_steel(thesis_impact: ColumnImpac
     assert [law.reference_rate for law in laws if law] == [500.0, 100.0, 7000.0]
     measured = with_rate(thesis_impact, CowperSymonds(40.4, 5.0))
     assert not [name for name in Budget("", ()).variations(measured) if name.startswith("rate")]
+    graded = with_rate(thesis_impact, GRADES["S235"][1])
+    runs = {
+        name: answered(graded, peak) for name, peak in (("rate slow", 0.09), ("rate fast", 0.12))
+    }
+    term = {t.name: t for t in Budget("", ()).terms(graded, answered(graded), runs)[PEAK]}[RATE]
+    assert (term.shift, term.low) == (0.0, pytest.approx(-0.1))
+    assert term.high == pytest.approx(0.2)
     answer = answered(measured)
     term = {t.name: t for t in Budget("", ()).terms(measured, answer, {})[PEAK]}[RATE]
     assert not term.known

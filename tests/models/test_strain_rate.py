@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from workbench.errors import InputError
+from workbench.hinges.rate import hinge_overstress, overstress_shape
 from workbench.materials import GRADES, MILD_STEEL, CowperSymonds, Steel
 from workbench.models.single_dof import SingleDof
 from workbench.models.strain_rate import rate_factor, stronger, with_rate
@@ -94,6 +95,17 @@ def test_the_factor_of_the_thesis_column(thesis_impact: ColumnImpact) -> None:
     assert rate_factor(with_rate(hit, CowperSymonds(1e30, 1.0))) == pytest.approx(1.0, abs=1e-14)
 
 
+def test_a_pinned_bar_has_one_hinge_and_its_whole_length(parked: ColumnImpact) -> None:
+    column = replace(parked.column, base="pinned", head="pinned", steel=steel(rate=MILD_STEEL))
+    column = replace(column, length_below=2.0, length_above=2.0)
+    hit = replace(parked, column=column)
+    striker, struck = hit.striker.mass, column.properties.impact_mass
+    turning = hit.striker.velocity * striker / (striker + struck) / 2.0
+    shape = overstress_shape(column.strength_section, 5.0)
+    over = hinge_overstress(turning, 2.0, column.section.height, shape, MILD_STEEL)
+    assert rate_factor(hit) == pytest.approx(1.0 + 12.0 / 13.0 * over)
+
+
 @pytest.mark.parametrize("name", LEVEL_A)
 def test_a_model_runs_with_the_factor(rated: ColumnImpact, name: str) -> None:
     model = make_model(name)
@@ -119,6 +131,7 @@ def test_statics_know_no_rate(rated: ColumnImpact) -> None:
     model = make_model("four-dof")
     with_law, without = model.simulate(push), model.simulate(still)
     assert "rate_factor" not in with_law.attrs
+    assert "strain-rate" not in [each.subject for each in findings_of(with_law)]
     assert float(with_law["force"][-1]) == float(without["force"][-1])
 
 
