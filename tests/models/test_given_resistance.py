@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import sqrt
 from pathlib import Path
 
@@ -10,10 +11,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from workbench.errors import InputError
+from workbench.materials import CowperSymonds
 from workbench.models.energy_estimate import EnergyEstimate, energy_to_absorb
 from workbench.models.resistance import column_curve
 from workbench.models.single_dof import SingleDof
 from workbench.models.soft_impact import SoftImpact
+from workbench.models.strain_rate import rate_factor
 from workbench.responses import Outcome, outcome_of, warnings_of
 from workbench.scenarios import ColumnPushover, MemberPulse, Pulse
 from workbench.study.cells import ingredients_of, key_of
@@ -95,6 +98,84 @@ def test_a_softening_curve_by_hand(thesis_impact, softening) -> None:
     check_model(SingleDof(softening), [impact, fast, ColumnPushover("push", impact.column, 0.3)])
 
 
+FACTOR = 1.4
+
+
+def test_strain_rate_strengthens_a_curve_and_leaves_its_stiffness(thesis_impact, softening) -> None:
+    """By hand: 1.4 times the force where that is below the first slope; the corner by its root."""
+    fall = (TOP - REST) / (AT[2] - AT[1])  # k v = 1.4 (TOP - fall (v - AT[1]))
+    corner = FACTOR * (TOP + fall * AT[1]) / (STIFFNESS + FACTOR * fall)
+    top = STIFFNESS * corner
+    assert AT[1] < corner < AT[2]
+    impact = thesis_impact.at_velocity(12.0)
+    energy, slope = energy_to_absorb(impact), FACTOR * fall
+    fallen = (top - sqrt(top**2 - 2.0 * slope * (energy - 0.5 * top * corner))) / slope
+    residual = corner + fallen - (top - slope * fallen) / STIFFNESS
+    for kind in (SingleDof, EnergyEstimate):
+        response = kind(softening, rate_factor=FACTOR).simulate(impact)
+        assert float(response["peak_displacement"]) == pytest.approx(corner + fallen, rel=1e-9)
+        assert float(response["residual_displacement"]) == pytest.approx(residual, rel=1e-9)
+    stiff = {"striker_stiffness": 1e9}  # nearly rigid: more mass moves with the striker
+    soft = float(SoftImpact(resistance=softening, rate_factor=FACTOR, **stiff).simulate(impact)[
+        "peak_displacement"])  # fmt: skip
+    assert soft == pytest.approx(corner + fallen, rel=0.1)
+    points = [0.5 * corner, corner, AT[2], AT[3]]
+    curve = SingleDof(softening, rate_factor=FACTOR).curve(impact.column)
+    at = curve.force(np.array(points))
+    np.testing.assert_allclose(at, [0.5 * top, top, FACTOR * REST, FACTOR * REST], rtol=1e-12)
+    elastic = SingleDof(softening, rate_factor=10.0).curve(impact.column)  # hardly yields
+    assert elastic.elastic_limit > 3.0 * AT[1]
+
+
+def test_a_steel_that_knows_its_rate_strengthens_a_curve_as_it_does_the_column(
+    thesis_impact, softening
+) -> None:
+    column = thesis_impact.column
+    quick = replace(column, steel=replace(column.steel, rate=CowperSymonds(500.0, 5.0)))
+    impact = replace(thesis_impact.at_velocity(12.0), column=quick)
+    factor = rate_factor(impact)
+    assert factor > 1.1
+    single = SingleDof(softening).simulate(impact)
+    fixed = SingleDof(softening, rate_factor=factor).simulate(thesis_impact.at_velocity(12.0))
+    assert float(single["peak_displacement"]) == float(fixed["peak_displacement"])
+    assert (
+        single.attrs["rate_factor"] == factor == SingleDof().simulate(impact).attrs["rate_factor"]
+    )
+    many = SingleDof(softening).simulate_many([impact])
+    assert many["peak_displacement"][0] == float(single["peak_displacement"])
+    pulse = MemberPulse("pulse", quick, Pulse("triangular", 1e6, 0.01), "point", 0.05)
+    told = [{f.subject for f in warnings_of(SingleDof(softening, rate_factor=r).simulate(pulse))}
+            for r in (None, 1.2)]  # fmt: skip
+    assert ["strain-rate" in each for each in told] == [True, False]
+
+
+def test_a_curve_that_drops_and_one_that_snaps(thesis_impact, tmp_path) -> None:
+    """A drop over a micrometre by areas; a load above the valley of a curve, by scipy."""
+    at, forces = (0.0, 0.01, 0.010001, 0.6), (0.0, 1e6, 2e5, 2e5)
+    drop = write(tmp_path / "drop.csv", at, forces)
+    impact = thesis_impact.at_velocity(8.0)
+    energy = energy_to_absorb(impact)
+    peak = at[2] + (energy - 0.5e6 * at[1] - 0.6e6 * (at[2] - at[1])) / forces[2]
+    for model in (SingleDof(drop), EnergyEstimate(drop)):
+        assert float(model.simulate(impact)["peak_displacement"]) == pytest.approx(peak, rel=1e-9)
+
+    at, forces = (0.0, 0.01, 0.06, 0.3, 0.7), (0.0, 1e6, 3e5, 2e6, 3e6)
+    snap = write(tmp_path / "snap.csv", at, forces)
+    column = replace(thesis_impact.column, impact_mass=200.0)
+    for load, snaps in ((4.5e5, False), (1.1e6, True)):
+        pulse = MemberPulse("snap", column, Pulse("ramp", load, 0.05), "point", 0.12)
+
+        def motion(t, y, load=load):
+            return [y[1], (load * min(t / 0.05, 1.0) - np.interp(y[0], at, forces)) / 200.0]
+
+        hand = solve_ivp(motion, (0.0, 0.12), [0.0, 0.0], rtol=1e-10, max_step=1e-4)
+        response = SingleDof(snap).simulate(pulse)
+        assert outcome_of(response) is Outcome.OK
+        largest = float(response["displacement"].max())
+        assert largest == pytest.approx(hand.y[0].max(), rel=2e-3)
+        assert (largest > 0.05) == snaps
+
+
 def test_behind_its_last_point_there_is_no_answer(thesis_impact, softening, tmp_path) -> None:
     fast = thesis_impact.at_velocity(25.0)
     pulse = MemberPulse("pulse", fast.column, Pulse("rectangular", 2e6, 0.05), "point", 0.06)
@@ -164,5 +245,9 @@ def test_options_that_have_no_part_are_refused(softening) -> None:
         SingleDof(softening, rotational_stiffness=6.0)
     with pytest.raises(InputError, match=r"option\.interaction = 'linear': has no part"):
         EnergyEstimate(softening, interaction="linear")
+    with pytest.raises(InputError, match=r"option\.rate_factor = 1\.2: is for a curve .* rate law"):
+        SoftImpact(rate_factor=1.2)
+    with pytest.raises(InputError, match=r"option\.rate_factor = 0\.9: .* from 1 to 10"):
+        SingleDof(softening, rate_factor=0.9)
     with pytest.raises(InputError, match=r"one of analytic, cubic.*or the name of a \.csv file"):
         SingleDof("softening")

@@ -11,6 +11,7 @@ from workbench.fields import Choice, Number, checked
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import (
     INTERACTIONS,
+    RATE_FACTOR,
     SECTION,
     SHAPES,
     OnCurve,
@@ -28,13 +29,14 @@ class EnergyEstimate(OnCurve):
 
     Options: `resistance`: analytic, cubic, linear, panel or NAME.csv, as in the single-DOF column;
     `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6; None: as in
-    `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`.
+    `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`; `rate_factor` as in `single-dof`.
     """
 
     resistance: str = checked(Resistance(SHAPES), "analytic")
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
     interaction: str = checked(Choice(INTERACTIONS), SECTION)
     hit_mass: str = checked(HIT_MASS, THESIS)
+    rate_factor: float | None = checked(RATE_FACTOR, optional=True)
 
     name: ClassVar[str] = "energy-estimate"
     version: ClassVar[int] = 5
@@ -62,9 +64,8 @@ class EnergyEstimate(OnCurve):
 
     def _solve(self, scenario: ColumnImpact) -> Response:
         column = scenario.column
-        spring = self.rotational_stiffness, self.resistance, self.interaction
-        data = "" if self.resistance in SHAPES else self.data_digest
-        curve = column_curve(column, *spring, data=data)
+        spring, given = (self.rotational_stiffness, self.resistance), self.given(scenario)
+        curve = column_curve(column, *spring, self.interaction, given=given)
         energy = energy_to_absorb(with_hit_mass(scenario, self.hit_mass))
         limit = columns.limit_of(curve, column)
         if energy >= curve.work(limit):

@@ -26,6 +26,7 @@ from workbench.models.domain import shear_warnings
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import (
     INTERACTIONS,
+    RATE_FACTOR,
     SECTION,
     SHAPES,
     OnCurve,
@@ -113,7 +114,7 @@ class SoftImpact(OnCurve):
 
     Options: `striker_stiffness` in N/m of what crushes (300 kN/m: cars, EN 1991-1-7, Annex C);
     `crush_force` in N at which it flows (None: it stays elastic); `resistance` of the column,
-    `rotational_stiffness`, `interaction` and `hit_mass` as in `single-dof`.
+    `rotational_stiffness`, `interaction`, `hit_mass` and `rate_factor` as in `single-dof`.
     """
 
     striker_stiffness: float = checked(Number(1.0, 1e12, "N/m"), VEHICLE_STIFFNESS)
@@ -122,6 +123,7 @@ class SoftImpact(OnCurve):
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
     interaction: str = checked(Choice(INTERACTIONS), SECTION)
     hit_mass: str = checked(HIT_MASS, THESIS)
+    rate_factor: float | None = checked(RATE_FACTOR, optional=True)
 
     name: ClassVar[str] = "soft-impact"
     version: ClassVar[int] = 4
@@ -141,9 +143,8 @@ class SoftImpact(OnCurve):
 
     def curve(self, scenario: ColumnImpact) -> ResistanceCurve:
         """Resistance of the column at its hit point. Raises `OutOfDomainError`."""
-        spring = self.rotational_stiffness, self.resistance, self.interaction
-        data = "" if self.resistance in SHAPES else self.data_digest
-        return column_curve(scenario.column, *spring, data=data)
+        spring, given = (self.rotational_stiffness, self.resistance), self.given(scenario)
+        return column_curve(scenario.column, *spring, self.interaction, given=given)
 
     def domain(self, scenario: ColumnImpact) -> list[Finding]:
         """Findings of all models on a resistance curve, of shear those of the run."""

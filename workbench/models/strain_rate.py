@@ -39,6 +39,8 @@ def with_strain_rate(model: Any, scenario: Any) -> tuple[Any, float, list[Findin
         else:
             factor = rate_factor(column, getattr(model, "shear_yields", False))
         scenario = stronger(scenario, factor)
+    elif hasattr(model, "given"):  # a resistance curve of its own grows, not the steel
+        factor = model.given(scenario)[1]
     return scenario, factor, findings
 
 

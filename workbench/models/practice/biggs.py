@@ -34,6 +34,7 @@ class Biggs(SingleDof):
     axial: str = checked(AXIAL, SECTION)
     resistance: ClassVar[str] = "stages"  # type: ignore[misc]
     rotational_stiffness: ClassVar[None] = None  # type: ignore[misc]
+    rate_factor: ClassVar[None] = None  # type: ignore[misc]
     interaction: ClassVar[str] = SECTION  # type: ignore[misc]
     hit_mass: ClassVar[str] = "shape"  # type: ignore[misc]
 

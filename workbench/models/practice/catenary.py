@@ -118,6 +118,7 @@ class _Catenary(SingleDof):
     """What the three share: their curve stands for the resistance of the column."""
 
     rotational_stiffness: ClassVar[None] = None  # type: ignore[misc]
+    rate_factor: ClassVar[None] = None  # type: ignore[misc]
     interaction: ClassVar[str] = LINEAR  # type: ignore[misc]
 
     def curve(self, column: Column, uniform: bool = False) -> ResistanceCurve:

@@ -8,6 +8,7 @@ from workbench.models.resistance.curve import Mechanism as Mechanism
 from workbench.models.resistance.curve import ResistanceCurve as ResistanceCurve
 from workbench.models.resistance.curve import axial_flexibility as axial_flexibility
 from workbench.models.resistance.curve import mechanism_of as mechanism_of
+from workbench.models.resistance.given import RATE_FACTOR as RATE_FACTOR
 from workbench.models.resistance.given import OnCurve as OnCurve
 from workbench.models.resistance.given import Resistance as Resistance
 from workbench.models.resistance.shapes import RESISTANCES as RESISTANCES

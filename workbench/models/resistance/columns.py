@@ -27,7 +27,7 @@ from workbench.models.resistance.curve import (
     mechanism_of,
     straight_pieces,
 )
-from workbench.models.resistance.given import GIVEN, given_curve, is_given
+from workbench.models.resistance.given import GIVEN, NOTHING, given_curve, is_given
 from workbench.models.resistance.shapes import RESISTANCES, resistance_curve
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnPushover, ColumnScenario, MemberPulse
@@ -101,18 +101,19 @@ def column_curve(
     shape: str,
     interaction: str = SECTION,
     uniform: bool = False,
-    data: str = "",
+    given: tuple[str, float] = NOTHING,
 ) -> ResistanceCurve:
     """Resistance of a column at its hit point, by the name of its shape; kept for the next strike.
 
     To a force there, or to half of a `uniform` load, which does the same work on rigid bars. Of a
-    curve that is given `data` is the digest of its points, so that it is not kept for others.
+    curve that is `given` the digest of its points, so that it is not kept for others, and its
+    factor of strain rate.
     Raises `OutOfDomainError`, see `mechanism_of`, `resistance_curve` and `panel_curve`, and
     `InputError` of a file, see `given_curve`.
     """
     mechanism = mechanism_of(column, rotational_stiffness, interaction, uniform)
-    if data:
-        return given_curve(mechanism, shape)
+    if given != NOTHING:
+        return given_curve(mechanism, shape, given[1])
     if shape == PANEL:
         return panel_curve(column, mechanism, rotational_stiffness)
     return resistance_curve(mechanism, shape)

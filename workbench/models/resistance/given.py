@@ -23,12 +23,16 @@ from workbench.models.resistance.curve import (
     ResistanceCurve,
     straight_pieces,
 )
+from workbench.models.strain_rate import rate_factor
+from workbench.scenarios import ColumnImpact, ColumnScenario
 
 GIVEN = "given"  # shape of such a curve
 COLUMNS = ("displacement_m", "force_N")
 _RULES = Number(0.0, 1e3, "m"), Number(0.0, 1e12, "N")
 _FIELD, _SUFFIX = "option.resistance", ".csv"
 _LARGEST, _FEWEST, _MOST = 1_000_000, 3, 10_000  # bytes; points
+RATE_FACTOR = Number(1.0, 10.0)
+NOTHING = "", 1.0  # digest of the points and rate factor of a curve that is derived
 _STRAIGHT = 1e-3  # share of the force by which the curve leaves its first slope: yielding
 
 
@@ -58,6 +62,24 @@ class OnCurve(Answering):
     resistance: str
     rotational_stiffness: float | None
     interaction: str
+    rate_factor: float | None
+
+    @property
+    def material(self) -> tuple[str, ...]:
+        """What of the steel a curve that is given stands for: no yield stress can be raised."""
+        return ("rate", "hardening") if is_given(self.resistance) else ()
+
+    def given(self, scenario: ColumnScenario | None = None) -> tuple[str, float]:
+        """Digest of the points that are given and the factor on their strength; or `NOTHING`.
+
+        The factor is `rate_factor`, else that of the strain rate of an impact on steel with a law.
+        """
+        if not is_given(self.resistance):
+            return NOTHING
+        factor = self.rate_factor
+        if factor is None and isinstance(scenario, ColumnImpact) and scenario.column.steel.rate:
+            factor = rate_factor(scenario)
+        return self.data_digest, factor or 1.0
 
     @property
     def data_digest(self) -> str:
@@ -69,6 +91,9 @@ class OnCurve(Answering):
         for name, usual in (("rotational_stiffness", None), ("interaction", SECTION)):
             if is_given(self.resistance) and getattr(self, name) != usual:
                 raise self.refusal(name, f"has no part in the curve of {self.resistance}")
+        if self.rate_factor is not None and not is_given(self.resistance):
+            text = "is for a curve that is given"
+            raise self.refusal("rate_factor", text, "give the steel a rate law instead")
 
 
 def content(name: str) -> bytes:
@@ -125,12 +150,25 @@ def _numbers(place: str, row: list[str]) -> list[float]:
     return [rule.check(f"{place}, {column}", value) for column, rule, value in held]
 
 
-def given_curve(mechanism: Mechanism, shape: str) -> ResistanceCurve:
+def given_curve(mechanism: Mechanism, shape: str, factor: float = 1.0) -> ResistanceCurve:
     """The curve through the points of a file, elastic as long as it keeps its first slope.
 
-    Up to a thousandth of the force. Raises `InputError`.
+    Up to a thousandth of the force. Its strength grows by a `factor` of strain rate, its stiffness
+    does not: the lesser of the first slope and of the factor times the force. Raises `InputError`.
     """
     v, force = points(content(shape), shape).T
+    if factor > 1.0:
+        elastic, force = force[1] / v[1] * v, factor * force
+        above = elastic - force  # where that turns positive the curve leaves its first slope
+        i = int(np.argmax(above > 0.0))
+        if above[i] <= 0.0:  # it never does
+            i = len(v)
+        else:
+            share = above[i - 1] / (above[i - 1] - above[i])
+            corner = v[i - 1] + share * (v[i] - v[i - 1])
+            v, elastic = np.insert(v, i, corner), np.insert(elastic, i, elastic[1] / v[1] * corner)
+            force = np.insert(force, i, elastic[i])
+        force[:i] = elastic[:i]
     soft = np.flatnonzero(force < (1.0 - _STRAIGHT) * force[1] / v[1] * v)
     limit = float(v[max(soft[0] - 1, 1)] if len(soft) else v[-1])
     return ResistanceCurve(GIVEN, mechanism, straight_pieces(v, force), limit, float(v[-1]))

@@ -26,6 +26,7 @@ from workbench.models.domain import step_finding
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import (
     INTERACTIONS,
+    RATE_FACTOR,
     SECTION,
     SHAPES,
     OnCurve,
@@ -35,6 +36,7 @@ from workbench.models.resistance import (
     columns,
 )
 from workbench.models.resistance.columns import PANEL
+from workbench.models.resistance.given import NOTHING
 from workbench.models.single_dof import march
 from workbench.models.single_dof.pulse import Pushed, moved_masses, pulse_response
 from workbench.models.single_dof.spring import pushed
@@ -77,7 +79,8 @@ class SingleDof(OnCurve):
     controlled by the error, the energy is kept whatever the step; moreau: a 1000th of the shortest
     period);
     `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6; None: as in
-    `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`.
+    `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`; `rate_factor`: of strain rate on the
+    strength of a curve that is given (None: that of the steel's rate law in an impact).
     """
 
     resistance: str = checked(Resistance(SHAPES), "analytic")
@@ -86,6 +89,7 @@ class SingleDof(OnCurve):
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
     interaction: str = checked(Choice(INTERACTIONS), SECTION)
     hit_mass: str = checked(HIT_MASS, THESIS)
+    rate_factor: float | None = checked(RATE_FACTOR, optional=True)
 
     name: ClassVar[str] = "single-dof"
     version: ClassVar[int] = 10
@@ -113,9 +117,14 @@ class SingleDof(OnCurve):
 
         Raises `OutOfDomainError`.
         """
+        return self.curve_at(column, self.given(), uniform)
+
+    def curve_at(
+        self, column: Column, given: tuple[str, float], uniform: bool = False
+    ) -> ResistanceCurve:
+        """As `curve`, with the points and the rate factor that are `given`, see `OnCurve`."""
         spring = self.rotational_stiffness, self.resistance, self.interaction
-        data = "" if self.resistance in SHAPES else self.data_digest
-        return column_curve(column, *spring, uniform, data=data)
+        return column_curve(column, *spring, uniform, given)
 
     def with_mass(self, scenario: ColumnImpact) -> ColumnImpact:
         """The impact with the mass (kg) that meets the striker."""
@@ -136,6 +145,9 @@ class SingleDof(OnCurve):
         findings = columns.curve_findings(scenario, self.resistance)
         if isinstance(scenario, ColumnImpact) and self.time_step is not None:
             findings += self._step_findings(scenario, self.time_step)
+        law = isinstance(scenario, MemberPulse) and scenario.column.steel.rate
+        if law and self.material and self.rate_factor is None:
+            findings.append(finding("strain-rate", kind=scenario.KIND))
         return findings
 
     def _step_findings(self, scenario: ColumnImpact, step: float) -> list[Finding]:
@@ -186,9 +198,8 @@ class SingleDof(OnCurve):
     def _march(self, scenario: ColumnImpact) -> tuple[Run, ResistanceCurve]:
         """Follow one impact. Raises `SolverError`, `OutOfDomainError`, `CollapseError`."""
         column, striker = scenario.column, scenario.striker
-        data = "" if self.resistance in SHAPES else self.data_digest
-        bounces = striker.restitution > 0.0
-        curve, limit, pace = _prepared(self, column, scenario.duration, bounces, data)
+        bounces, given = striker.restitution > 0.0, self.given(scenario)
+        curve, limit, pace = _prepared(self, column, scenario.duration, bounces, given)
         blow = striker.mass, striker.velocity, striker.restitution, 0.0
         drive = *blow, curve.elastic_limit, limit, column.properties.impact_mass
         run = follow(_ENTRIES[self.integrator], (curve.pieces,), pace, drive, march.RECORD)
@@ -258,10 +269,10 @@ class SingleDof(OnCurve):
 
 @lru_cache(maxsize=256)
 def _prepared(
-    model: SingleDof, column: Column, duration: float, bounces: bool, _digest: str
+    model: SingleDof, column: Column, duration: float, bounces: bool, given: tuple[str, float]
 ) -> tuple[ResistanceCurve, float, Pace]:
     """Curve, limit of the displacement (m) and pace of a column, for the next strike."""
-    curve = model.curve(column)
+    curve = model.curve(column) if given == NOTHING else model.curve_at(column, given)
     return curve, columns.limit_of(curve, column), model.pace(column, duration, bounces)
 
 
