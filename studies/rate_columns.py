@@ -1,8 +1,8 @@
 """Columns in steel that feels the strain rate: reduced models against fibers of the same law.
 
 Sections, steels, supports, place of the hit, axial load, restraint, mass and velocity of the
-striker are drawn by a Latin hypercube. The reference is the fiber beam with the rate law in every fiber;
-the models have one factor on the yield stress in closed form. Beside them: no rate at all, the
+striker are drawn by a Latin hypercube. The reference is the fiber beam with the rate law in every
+fiber; the models have one factor on the yield stress in closed form. Beside them: no rate, the
 increase factors of design rules, and a hinge as long as the section is high.
 """
 

@@ -112,6 +112,7 @@ def budget_sentence(value: float, quantity: str, rows: Sequence[Row]) -> str:
         "known",
         quantity=quantity,
         value=text,
+        middle=in_unit(value * (1.0 + by_term[TOTAL]["shift"]), quantity, 3),
         low=_at(quantity, by_term[TOTAL]["least"], named=False),
         high=_at(quantity, by_term[TOTAL]["most"]),
         coverage=_COVERAGE,
