@@ -49,7 +49,7 @@ def evaluate(s, dt, closed, touch, striker):
     unknown, F(q) = 0 for a massless one.
     """
     column, state, work = s.columns[0], s.states[1], s.room[0]
-    q, F, K, R, J = state.q, work.F, work.K, work.R, work.J
+    q, F, K, R, J, work.dt = state.q, work.F, work.K, work.R, work.J, dt
     for i in range(4):
         q[i] = work.q0[i] + work.moved[i]
     if work.nested:

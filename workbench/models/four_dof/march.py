@@ -13,13 +13,13 @@ from workbench.compiled import njit
 from workbench.frames.collapse import COLLAPSE_CONTRACTION, COLLAPSE_SIDEWAYS
 from workbench.impact.contact import called, inner, moreau_step_of
 from workbench.impact.integrator import COMMON, Model, begin, march_of, no_flow
-from workbench.models.four_dof import kinematics, statics
+from workbench.models.four_dof import statics
 from workbench.models.four_dof.equations import TwoBars, newton, predict
 from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.structures.kernels import copy
 
 # residual over the squash load that one more Newton step removes: of controlled, of equal steps
-_NEARLY, _CLOSELY = 2e-5, 1e-6
+NEARLY, CLOSELY = 2e-5, 1e-6
 RECORD = np.dtype(
     [
         *((name, float) for name in (*COMMON, "force", "elastic", "dissipated")),
@@ -100,7 +100,8 @@ def write(s, records, n):
     row, now, m = records[n], s.states[0], s.columns[0].mass
     copy(now.q, row.q)
     copy(now.stress, row.stress)
-    copy(now.plastic, row.plastic)
+    for at in np.ndindex(row.plastic.shape):
+        row.plastic[at] = now.plastic[at]
     row.force, row.elastic, row.dissipated, row.kinetic = (
         now.force,
         now.elastic,
@@ -218,8 +219,6 @@ def start(columns, states, room, pace):
     statics.internal_forces(s.columns[0], s.states[0], s.room[0])
     at_place(s)
     s.room[0].collision_mass = s.columns[0].mass[V] if pace.error < np.inf else 0.0
-    if s.columns[0].sliding == kinematics.RIGID_IN_SHEAR:
-        s.room[0].finish_below = _NEARLY if pace.error < np.inf else _CLOSELY
     return s
 
 

@@ -10,16 +10,18 @@ from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.members import shear_stiffness
 from workbench.hinges import ShearSurface, YieldSurface, has_shear_surface
 from workbench.hinges.interaction import SHEAR_DEPTHS
+from workbench.hinges.viscoplastic import bar_law
 from workbench.materials import Steel
 from workbench.models.domain import panel_findings, shear_findings, stub_findings
 from workbench.models.elastic_springs import Springs, beam_springs
-from workbench.models.four_dof import kinematics
+from workbench.models.four_dof import kinematics, statics
 from workbench.models.four_dof.rigid_bars import RigidBars
 from workbench.models.hit_mass import HIT_MASS, WAVES
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnScenario
 from workbench.sections import Section
 
+FACTOR, BARS = RATE_LEVELS = ("factor", "bars")
 _SHEARED = 0.15  # mean sliding over length from which a solid's flanges carry tension
 _KINEMATICS = {"chord": kinematics.CHORD, "section": kinematics.SECTION}
 
@@ -36,6 +38,7 @@ class FourDof(RigidBars):
     alpha: float | None = checked(Number(1.0, 20.0), optional=True)
     beta: float | None = checked(Number(1.0, 20.0), optional=True)
     small_rotations: bool = checked(Flag(), False)
+    rate_level: str = checked(Choice(RATE_LEVELS), FACTOR)
 
     name: ClassVar[str] = "four-dof"
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -56,7 +59,33 @@ class FourDof(RigidBars):
             fitted.beta if self.beta is None else self.beta,
         )
 
+    @property
+    def material(self) -> tuple[str, ...]:
+        """What it knows of a steel by itself, without a factor on the yield stress."""
+        return ("rate", "hardening") if self.rate_level == BARS else ()
+
+    def _flows(self, column: Column) -> bool:
+        """Whether its bars flow point by point."""
+        steel = column.steel
+        return self.rate_level == BARS and bool(steel.rate or steel.hardening_modulus)
+
+    def _tables(self, column: Column) -> statics.Tables:
+        return statics.VISCOPLASTIC if self._flows(column) else statics.HINGES
+
+    def check(self) -> None:
+        """Refuse options that viscoplastic bars do not know."""
+        super().check()
+        if self.rate_level != BARS:
+            return
+        for name, known in (("alpha", None), ("beta", None), ("integrator", "midpoint")):
+            if getattr(self, name) != known:
+                advice = f"leave {name} out, or take rate_level = {FACTOR}"
+                raise self.refusal(name, f"is not known with rate_level = {BARS}", advice)
+
     def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:
+        section = scenario.column.section
+        if self._flows(scenario.column) and not has_shear_surface(section):
+            return [finding("no-plane-webs", name=section.name)]
         return shear_findings(scenario)
 
     def _springs(self, column: Column) -> Springs:
@@ -68,6 +97,9 @@ class FourDof(RigidBars):
         bars["squash_loads"], bars["plastic_moments"] = surface.axial_bounds, surface.moment_bounds
         bars["alpha"], bars["beta"] = surface.alpha, surface.beta
         bars["small_rotations"] = self.small_rotations
+        if self._flows(column):
+            N, M = surface.squash_load, surface.plastic_moment
+            bars["law"] = bar_law(column.strength_section, column.steel, N, M)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ mass m1 (a third of the column) sits at the hit point, the head mass at the head
 `kinematics`, `statics`, `equations`, `march`, in this order.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import inf
 from time import perf_counter
@@ -89,6 +89,10 @@ class RigidBars(Answering):
         """Write the strength of the hinges into the column of the kernels."""
         raise NotImplementedError
 
+    def _tables(self, column: Column) -> statics.Tables:
+        """The tables of its bars."""
+        return statics.HINGES
+
     def _springs(self, column: Column) -> Springs:
         """Those of the elastic column."""
         raise NotImplementedError
@@ -128,13 +132,13 @@ class RigidBars(Answering):
     def _bars_of(self, column: Column) -> tuple[Any, Array]:
         """As `bars`, the column in a table of one row: kernels are called faster with tables."""
         kept, q = _kept(self, column)
-        return np.frombuffer(bytearray(kept), statics.COLUMN), q.copy()
+        return np.frombuffer(bytearray(kept), self._tables(column).column), q.copy()
 
     def _bars(self, column: Column) -> tuple[Any, Array]:
         properties = column.properties
         lengths = np.array([column.length_below, column.length_above])
         axial = column.steel.elastic_modulus * properties.area / lengths
-        bars = np.zeros(1, statics.COLUMN)[0]
+        bars = np.zeros(1, self._tables(column).column)[0]
         bars["lengths"] = lengths
         factor = self.rotational_stiffness
         springs = self._springs(column) if factor is None else thesis_springs(column, factor)
@@ -200,14 +204,17 @@ class RigidBars(Answering):
         Arguments: the `displacement` to which it is pushed (m); the force (N) below which the push
         may end, `least`. Raises `SolverError` where equilibrium is lost before.
         """
+        if column.steel.rate is not None:  # no time passes
+            column = replace(column, steel=replace(column.steel, rate=None))
         bars, q = self.bars(column)
         steps = max(200, int(np.ceil(displacement / (_PUSH_STEP * column.length) - 1e-9)))
         path = np.linspace(0.0, displacement, steps + 1)[1:]
-        records = np.zeros(steps + 1, statics.STATE)
+        tables = self._tables(column)
+        records = np.zeros(steps + 1, tables.state)
         records["q"][0] = q
         shared = q[U1] * bars["stiffness"][0, 0]
         records["stress"][0, :, 0] = shared if self.spring_shares_load else -column.axial_load
-        work = np.zeros(1, statics.WORK)[0]
+        work = np.zeros(1, tables.work)[0]
         status, last, residual = statics.pushover(bars, path, least, records, work)
         if status != statics.OK:
             where, tried = f"displacement {path[last]:.5g} m", "increments down to 1/1024"
@@ -265,8 +272,11 @@ class RigidBars(Answering):
         """The bars and the records of one run. Raises `SolverError` and `CollapseError`."""
         striker = scenario.striker
         table, q = self._bars_of(scenario.column)
-        states, room = np.zeros(2, statics.STATE), np.zeros(1, statics.WORK)
+        tables = self._tables(scenario.column)
+        states, room = np.zeros(2, tables.state), np.zeros(1, tables.work)
         states["q"][0] = q
+        if _along_tangent(table[0]):
+            room["finish_below"] = march.NEARLY if pace.error < inf else march.CLOSELY
         drive = striker.mass, striker.velocity, striker.restitution, 0.0
         run = follow(_ENTRIES[self.integrator], (table, states, room), pace, drive, march.RECORD)
         if run.collapsed:
@@ -279,6 +289,16 @@ def _kept(model: RigidBars, column: Column) -> tuple[bytes, Array]:
     """The bars of a column, for the next strike: records of many fields are slow to copy."""
     bars, q = model._bars(column)
     return bars.tobytes(), q
+
+
+def _along_tangent(bars: Any) -> bool:
+    """Whether the last step of Newton may be taken without an evaluation.
+
+    Not of panels, nor where what has flowed is counted.
+    """
+    if bars["sliding"] != kinematics.RIGID_IN_SHEAR:
+        return False
+    return "law" not in bars.dtype.names or bars["law"]["hardening"] == 0.0
 
 
 def _collapsed(bars: Any, state: Any) -> CollapseError:

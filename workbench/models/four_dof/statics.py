@@ -5,12 +5,16 @@ M_mid of the closest-point projection and its tangent D, virtual work gives the 
 over (v, x, b), f = B' (N, M_end, M_mid), and K = B' D B + K_g, rows of B: de, dpsi, db - dpsi.
 """
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from workbench.compiled import njit
-from workbench.hinges.kernels import newton_in_bracket, project
+from workbench.hinges.kernels import newton_in_bracket
 from workbench.hinges.panel_kernels import WEB
+from workbench.hinges.viscoplastic_kernels import LAW, MOST
 from workbench.models.four_dof import kinematics as geometry
+from workbench.models.four_dof.hinge_forces import hinge_forces
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
 from workbench.structures.kernels import copy, solve_four
 
@@ -63,6 +67,7 @@ WORK = np.dtype(  # room for the numbers of one evaluation
         ("strike_mass", float),  # of all that moves along the strike, kg
         ("collision_mass", float),  # mass of the hit point that collides at an instant, kg
         ("nested", int),  # whether the rotation is balanced inside every evaluation
+        ("dt", float),  # of the step that is solved, s
         ("rate", float, 4),  # mean velocities of the last step
         *((name, float, (4, 4)) for name in ("K", "J", "B", "D4", "K4", "K0")),
         ("f", float, (2, 3)),
@@ -78,6 +83,34 @@ WORK = np.dtype(  # room for the numbers of one evaluation
 )
 
 
+class Tables(NamedTuple):
+    """Types of a column, its state and room: as above, or those of `VISCOPLASTIC` bars.
+
+    Kernels are compiled for either when they are first called with it. The state of viscoplastic
+    bars ends with lambda at their points, the flow with its increments.
+    """
+
+    column: Any
+    state: Any
+    work: Any
+
+
+def _with(of, **fields):
+    """A type of records with other or more fields, which come first.
+
+    At the end numba would take the longer record for the shorter one.
+    """
+    kept = {name: of[name] for name in of.names if name not in fields}
+    return np.dtype(list((fields | kept).items()))
+
+
+HINGES = Tables(COLUMN, STATE, WORK)
+_LAMBDA = np.dtype((float, (2, 4 + MOST)))
+VISCOPLASTIC = Tables(
+    _with(COLUMN, law=LAW), _with(STATE, plastic=_LAMBDA), _with(WORK, flow=_LAMBDA)
+)
+
+
 @njit(cache=True, error_model="numpy")
 def assign(source, target):
     """Copy a state field by field: as a whole it takes numba minutes to compile."""
@@ -88,27 +121,6 @@ def assign(source, target):
     copy(source.turn, target.turn)
     target.force, target.dissipated = source.force, source.dissipated
     target.elastic = source.elastic
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def hinge_forces(column, bar, elastic, stress, work):
-    """Forces of the hinges of a bar from their `elastic` deformations, and their tangent.
-
-    The tangent as numbers, NN, N1, N2, 11, 12, 22.
-    """
-    if column.sliding == geometry.CHORD:
-        trial, D = work.trial[:], work.D[bar]
-        trial[0], trial[1], trial[2] = elastic
-        geometry.chord_forces(column, bar, stress[bar], work)
-        return D[0, 0], D[0, 1], D[0, 2], D[1, 1], D[1, 2], D[2, 2]
-    k, N, M = column.stiffness, column.squash_loads, column.plastic_moments
-    stiffness = k[bar, 0], k[bar, 1], k[bar, 2]
-    trial = stiffness[0] * elastic[0], stiffness[1] * elastic[1], stiffness[2] * elastic[2]
-    bounds, exponents = (N[0], N[1], M[0], M[1]), (column.alpha, column.beta)
-    projected = project(stiffness, bounds, exponents, trial, work.z[bar])
-    work.branch[bar], work.z[bar] = projected[0], projected[3]
-    stress[bar, 0], stress[bar, 1], stress[bar, 2] = projected[1]
-    return projected[2]
 
 
 @njit(cache=True, error_model="numpy")
@@ -122,7 +134,7 @@ def bar_forces(column, bar, state, work):
         return
     stretch, angle = geometry.stretch_and_angle(v, x, length, small)
     elastic = stretch - plastic[bar, 0], angle - plastic[bar, 1], b - angle - plastic[bar, 2]
-    NN, N1, N2, M11, M12, M22 = hinge_forces(column, bar, elastic, stress, work)
+    NN, N1, N2, M11, M12, M22 = hinge_forces(column, bar, elastic, state, work)
     N, M = stress[bar, 0], stress[bar, 1] - stress[bar, 2]
     ev, ex, pv, px = geometry.gradients(v, x, length, small)
     f, K, D = work.f, work.k, work.D
@@ -189,6 +201,9 @@ def balance_rotation(column, state, work):
     low, high = min(one, two), max(one, two)
     if column.sliding != geometry.RIGID_IN_SHEAR:
         low, high = geometry.wider(column, state, low, high)
+    if state.plastic.shape[1] > 4:  # flow near one end of a bar turns its other end as well
+        reach = abs(below - state.plastic[BELOW, 1]) + abs(above - state.plastic[ABOVE, 1])
+        low, high = low - reach, high + reach
     q[BETA] = min(max(q[BETA], low), high)
     for _ in range(100):
         internal_forces(column, state, work)
@@ -278,6 +293,8 @@ def update_plastic_deformations(column, start, state, work):
             mean = 0.5 * (start[bar, j] + state.stress[bar, j])
             state.dissipated += mean * (new - state.plastic[bar, j])
             state.plastic[bar, j] = new
+        for j in range(4, state.plastic.shape[1]):  # of viscoplastic bars
+            state.plastic[bar, j] += work.flow[bar, j]
 
 
 @njit(cache=True, error_model="numpy")
