@@ -1,4 +1,4 @@
-"""Bars that flow at a rate: gauge, section law, closed forms, golden values, tangent, dissipation."""
+"""Bars that flow at a rate: gauge, section law, closed forms, golden values, tangent, work."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from workbench.hinges.rate import overstress_shape, rotation_rate
 from workbench.hinges.viscoplastic import bar_law
-from workbench.hinges.viscoplastic_kernels import LAW, MOST, flow_of_bar, gauge, potential
+from workbench.hinges.viscoplastic_kernels import MOST, flow_of_bar, gauge, potential
 from workbench.materials import MILD_STEEL, CowperSymonds, Steel
 from workbench.sections import find, square
 

@@ -1,7 +1,8 @@
 """A section as viscoplastic bars have it: gauge of its envelope, overstress, hardening, points.
 
 Plates with the area and the plastic modulus of the section: root fillets are in the flanges, as
-`Section.flange_plates` has them, so that N_p and M_p are met. Derivation: docs/theory/strain-rate.md.
+`Section.flange_plates` has them, so that N_p and M_p are met. Derivation:
+docs/theory/strain-rate.md.
 """
 
 from functools import lru_cache

@@ -1,8 +1,8 @@
 """Bars that flow at a rate and harden point by point: backward Euler as one convex problem.
 
-N is constant along a bar and M linear, M(xi) = (1 - xi) M_1 + xi M_2. The gauge g(N, M) of a section
-is the factor by which its exact N-M envelope must grow to pass through (N, M). With the plastic
-deformation lambda, work over the squash load and the length, a section that flows obeys
+N is constant along a bar and M linear, M(xi) = (1 - xi) M_1 + xi M_2. The gauge g(N, M) of a
+section is the factor by which its exact N-M envelope must grow to pass through (N, M). With the
+plastic deformation lambda, work over the squash load and the length, a section that flows obeys
 
     g = 1 + R lambda + c (lambda' / D)^(1/q),     (e', kappa') = N_p lambda' grad g,
 
@@ -41,11 +41,16 @@ _NEARLY = 1e-9  # of the elastic strain at yield, residual that one more step of
 _ARMIJO = 1e-4
 _ROUNDING = 1e-15  # of the terms of the energy
 _ITERATIONS, _HALVINGS = 100, 40
+_SHORT = 0.25  # share of a step
 
 
 @njit(cache=True, error_model="numpy")
-def gauge(law, n, moment):
-    """g at N/N_p and M/M_p; its slopes over both; second derivatives nn, nm, mm."""
+def gauge(law, n, moment, firm=0.0):
+    """Gauge g at N/N_p and M/M_p; its slopes over both; second derivatives nn, nm, mm.
+
+    `firm`: 1 takes the smoothed corner at M = 0 as curved everywhere as at its tip, or less: mm of
+    a parabola that lies above it.
+    """
     m = (moment * moment + _SMOOTH * _SMOOTH) ** 0.5
     x = abs(n)
     P, A, C, lever = m, 1.0, law.web_curve, 0.0
@@ -60,7 +65,7 @@ def gauge(law, n, moment):
     g_x = 0.5 * C * x / (A * r) + lever * g_m
     bend, turn = 0.5 * C / (A * r * r * r), moment / m
     side = 1.0 if n >= 0.0 else -1.0
-    smooth = g_m * (1.0 - turn * turn) / m
+    smooth = g_m * (1.0 - (1.0 - firm) * turn * turn) / m
     second = bend * m * m, -bend * m * n * turn, bend * x * x * turn * turn + smooth
     return g, (side * g_x, g_m * turn), second
 
@@ -89,10 +94,10 @@ def flow_at(law, excess, time):
 
 
 @njit(cache=True, error_model="numpy")
-def potential(law, s, time, grown, flow):
+def potential(law, s, time, grown, flow, firm=0.0):
     """Integral of Psi, its gradient (3) and its Hessian 00, 01, 02, 11, 12, 22; writes `flow`.
 
-    Arguments: forces over the strength `s`; D dt; lambda at the points, `grown`.
+    Arguments: forces over the strength `s`; D dt; lambda at the points, `grown`; `firm` of `gauge`.
     """
     psi = g0 = g1 = g2 = h00 = h01 = h02 = h11 = h12 = h22 = 0.0
     n, one, two = s
@@ -102,7 +107,7 @@ def potential(law, s, time, grown, flow):
         flow[i] = 0.0
         if abs(n) + abs(m) + _SMOOTH <= 1.0:
             continue
-        g, (g_n, g_m), (nn, nm, mm) = gauge(law, n, m)
+        g, (g_n, g_m), (nn, nm, mm) = gauge(law, n, m, firm)
         excess = g - 1.0 - law.hardening * grown[i]
         if excess <= 0.0:
             continue
@@ -113,9 +118,9 @@ def potential(law, s, time, grown, flow):
         g0 += w * phi * g_n
         g1 += w * phi * g_m * a
         g2 += w * phi * g_m * b
-        nn, nm, mm = slope * g_n * g_n + phi * nn, slope * g_n * g_m + phi * nm, (
-            slope * g_m * g_m + phi * mm
-        )
+        nn = slope * g_n * g_n + phi * nn
+        nm = slope * g_n * g_m + phi * nm
+        mm = slope * g_m * g_m + phi * mm
         h00 += w * nn
         h01 += w * nm * a
         h02 += w * nm * b
@@ -153,10 +158,10 @@ def _dot(x, y):
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _energy(law, C, e, s, time, grown, flow):
+def _energy(law, C, e, s, time, grown, flow, firm):
     """The minimised energy at `s`, the size of its terms, its gradient and its Hessian."""
     strain = _times(C, s)
-    psi, G, H = potential(law, s, time, grown, flow)
+    psi, G, H = potential(law, s, time, grown, flow, firm)
     stored, given = 0.5 * _dot(s, strain), _dot(e, s)
     r = strain[0] - e[0] + G[0], strain[1] - e[1] + G[1], strain[2] - e[2] + G[2]
     A = C[0] + H[0], C[1] + H[1], C[2] + H[2], C[3] + H[3], C[4] + H[4], C[5] + H[5]
@@ -188,51 +193,46 @@ def flow_of_bar(law, length, flexibility, pinned, elastic, dt, grown, forces, fl
     Np, Mp = law.strength[0], law.strength[1]
     unit, time = 1.0 / (Np * length), law.reference * dt
     f_n, f11, f12, f22 = flexibility[0], flexibility[1], flexibility[2], flexibility[3]
-    C = unit * Np * Np * f_n, 0.0, 0.0, unit * Mp * Mp * f11, unit * Mp * Mp * f12, (
-        unit * Mp * Mp * f22
-    )
+    nn, nm, mm = unit * Np * Np, unit * Np * Mp, unit * Mp * Mp
+    C = nn * f_n, 0.0, 0.0, mm * f11, mm * f12, mm * f22
     e = unit * Np * elastic[0], unit * Mp * elastic[1], unit * Mp * elastic[2]
     C, e = _unpin(C, e, pinned)
     stiff = _inverse(C)
-    s, flows, done = _times(stiff, e), False, True
-    largest = max(gauge(law, s[0], s[1])[0], gauge(law, s[0], s[2])[0])
-    if largest <= 1.0:
+    s, flows = _times(stiff, e), False
+    done = max(gauge(law, s[0], s[1])[0], gauge(law, s[0], s[2])[0]) <= 1.0
+    if done:
         for i in range(law.points):
             flow[i] = 0.0
     else:
         s = forces[0] / Np, forces[1] / Mp, forces[2] / Mp
         if not np.isfinite(s[0] + s[1] + s[2]):
             s = 0.0, 0.0, 0.0
-        value, terms, r, A = _energy(law, C, e, s, time, grown, flow)
+        firm = 0.0
+        value, terms, r, A = _energy(law, C, e, s, time, grown, flow, firm)
         for _ in range(_ITERATIONS):
             A, r = _unpin(A, r, pinned)
             stiff = _inverse(A)
             d = _times(stiff, r)
             size = max(abs(r[0]) / C[0], max(abs(r[1]) / C[3], abs(r[2]) / C[5]))
-            if size <= _NEARLY:
+            if size <= _NEARLY and firm == 0.0:
                 s = s[0] - d[0], s[1] - d[1], s[2] - d[2]
                 done = True
                 break
-            done, share, fall = False, 1.0, _ARMIJO * _dot(r, d)
-            start, allowed = s, value + _ROUNDING * terms
+            start, fall, share, firm = s, _ARMIJO * _dot(r, d), 1.0, 0.0
+            allowed = value + _ROUNDING * terms
             for _half in range(_HALVINGS):
                 s = start[0] - share * d[0], start[1] - share * d[1], start[2] - share * d[2]
-                value, terms, r, A = _energy(law, C, e, s, time, grown, flow)
+                value, terms, r, A = _energy(law, C, e, s, time, grown, flow, firm)
                 if value <= allowed - share * fall:
-                    done = True
                     break
                 share *= 0.5
-            if not done:
-                break
+                if share <= _SHORT:  # Newton's steps go to and fro over the corner at M = 0
+                    firm = 1.0
         for i in range(law.points):
             flows = flows or flow[i] > 0.0
     if not done:
         s = np.nan, np.nan, np.nan
     forces[0], forces[1], forces[2] = Np * s[0], Mp * s[1], Mp * s[2]
     t00, t01, t02, t11, t12, t22 = stiff
-    one, two = unit * Mp * Mp, unit * Np * Mp
-    if pinned[0]:
-        t11 = 0.0
-    if pinned[1]:
-        t22 = 0.0
-    return flows, (unit * Np * Np * t00, two * t01, two * t02, one * t11, one * t12, one * t22)
+    t11, t22 = 0.0 if pinned[0] else t11, 0.0 if pinned[1] else t22
+    return flows, (nn * t00, nm * t01, nm * t02, mm * t11, mm * t12, mm * t22)

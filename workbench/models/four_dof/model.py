@@ -32,7 +32,9 @@ class FourDof(RigidBars):
 
     Options: `alpha`, `beta`: exponents of the yield surface (None: fitted to the exact N-M
     envelope of the section and stated to one decimal, as the thesis does);
-    `small_rotations`: the kinematics of the SDOF model.
+    `small_rotations`: the kinematics of the SDOF model; `rate_level`, of a steel with a rate law: a
+    factor on the yield stress, or bars that flow and harden point by point (`viscoplastic_kernels`;
+    without rate and hardening the model is the same).
     """
 
     alpha: float | None = checked(Number(1.0, 20.0), optional=True)
@@ -45,7 +47,9 @@ class FourDof(RigidBars):
         *RigidBars.assumptions,
         "Elastic-perfectly plastic hinges with associated flow on a super-elliptic N-M surface; "
         "the thesis does not print its exponents, (1, 1.3) are inferred from its section.",
-        "No shear yielding, no local buckling; strain rate by one factor on the yield stress.",
+        "No shear yielding, no local buckling; strain rate by one factor on the yield stress, or, "
+        "with rate_level = bars, rate and hardening at every point of the bars, on the exact N-M "
+        "envelope of the plates, whose shape stays as it grows.",
     )
 
     def surface(self, column: Column) -> YieldSurface:
