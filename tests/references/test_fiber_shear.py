@@ -10,14 +10,25 @@ import pytest
 from builders import SQUARE
 
 from workbench.errors import CollapseError
+from workbench.materials import MILD_STEEL, CowperSymonds, Steel
+from workbench.models.four_dof import FourDofShear
+from workbench.models.strain_rate import with_rate
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.fiber_shear import FiberShear
-from workbench.responses import Outcome, collapse_of, findings_of, outcome_of, warnings_of
+from workbench.responses import (
+    Outcome,
+    collapse_of,
+    energy_error,
+    findings_of,
+    outcome_of,
+    warnings_of,
+)
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.sections import find, section_from
 from workbench.structures.fibers import section_fibers
 from workbench.testing import check_model
 
+FASTEST = CowperSymonds(1e9, 1.0)  # of all steels: hardly feels a rate
 AT = [0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]
 
 
@@ -98,6 +109,35 @@ def test_explicit_steps_check_the_implicit_ones(thesis_impact) -> None:
         for more in ({"integrator": "explicit"}, {"time_step": 2e-5})
     ]
     assert peaks[0] == pytest.approx(peaks[1], rel=5e-3)
+
+
+def test_rate_and_hardening_of_the_steel_are_those_of_the_fibers(thesis_impact) -> None:
+    """Panels with one factor on their yield stress are an independent form of the same law."""
+    column = replace(thesis_impact.column, plastic_moment=None, squash_load=None)
+    impact = replace(thesis_impact.at_velocity(10.0), column=column, duration=0.05)
+    model, peaks = FiberShear(levels=1, smallest_element=0.05), {}
+    steels = {"rate": Steel(rate=MILD_STEEL), "hardening": Steel(hardening_modulus=2.1e9)}
+    for name, steel in {"none": Steel(), "fast": Steel(rate=FASTEST), **steels}.items():
+        struck = replace(impact, column=replace(column, steel=steel))
+        response = model.simulate(struck)
+        peaks[name] = float(response["peak_displacement"])
+        assert energy_error(response) < 1e-9
+        assert np.all(np.diff(response["dissipated"]) >= 0.0)
+        assert {"strain-rate", "hardening"}.isdisjoint(subjects(warnings_of(response)))
+    as_option = replace(model, hardening_ratio=0.01).simulate(impact)
+    assert peaks["hardening"] == float(as_option["peak_displacement"])
+    assert peaks["hardening"] < 0.9 * peaks["none"]
+    assert peaks["fast"] == pytest.approx(peaks["none"], rel=1e-6)
+    panels = FourDofShear().simulate(with_rate(impact, MILD_STEEL))
+    assert float(panels["peak_displacement"]) == pytest.approx(peaks["rate"], rel=0.05)
+
+
+@pytest.mark.usefixtures("few_load_steps")
+def test_statics_know_no_rate(thesis_impact) -> None:
+    push = ColumnPushover("push", thesis_impact.column, 0.02)
+    model = FiberShear(levels=1, smallest_element=0.1)
+    forces = [model.simulate(each)["force"].values for each in (push, with_rate(push, MILD_STEEL))]
+    np.testing.assert_array_equal(*forces)
 
 
 def test_shear_is_no_warning_of_its_own(thesis_impact) -> None:

@@ -27,6 +27,10 @@ LAWS = {
     "rate": (LinearHardening(E, FY, 1e-2 * E, rate=MILD_STEEL), SHEAR),
     "menegotto-pinto": (MenegottoPinto(E, FY, 0.01), SHEAR),
     "shear": (ShearYielding(E, G, FY, 1e-6 * E), {"shear_share": np.ones(LAYERS)}),
+    "shear-rate": (
+        ShearYielding(E, G, FY, 1e-2 * E, MILD_STEEL),
+        {"shear_share": np.ones(LAYERS)},
+    ),
 }
 
 

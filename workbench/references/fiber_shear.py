@@ -1,7 +1,8 @@
 """Reference whose webs yield in shear: where beam theory without shear yielding ends.
 
 The geometrically exact fiber beam of `fiber_reissner`, with fibers along the shear force (webs,
-solid sections) that yield under normal and shear stress together, sigma^2 + 3 tau^2 = fy^2.
+solid sections) that yield under normal and shear stress together, sigma^2 + 3 tau^2 = fy^2, with
+the rate law of the steel on the right where it has one.
 """
 
 from dataclasses import dataclass
@@ -26,7 +27,7 @@ class FiberShear(ExactBeams):
     """
 
     name: ClassVar[str] = "fiber-shear"
-    material: ClassVar[tuple[str, ...]] = ("static strength",)
+    material: ClassVar[tuple[str, ...]] = ("rate", "hardening")
     version: ClassVar[int] = 7
     shear_yields: ClassVar[bool] = True
     longer: ClassVar[float] = 2.0  # webs that yield take the waves out
@@ -38,7 +39,8 @@ class FiberShear(ExactBeams):
         "Plastic shear does not stretch the member: above a mean shear strain of 0.3 the "
         "catenary action of a real member is missed.",
         "The mass is that of the rolled profile, distributed along the member.",
-        "Point contact; no local denting, no web buckling, no strain-rate effect, no fracture.",
+        "Point contact; no local denting, no web buckling, no fracture; strain rate and hardening "
+        "as the steel has them, one law for both stresses of a fiber.",
     )
 
     @property
@@ -67,5 +69,6 @@ class FiberShear(ExactBeams):
 
     def law(self, steel: Steel) -> ShearYielding:
         """Fibers along the shear force yield under sigma^2 + 3 tau^2."""
-        modulus, hardening = steel.elastic_modulus, self.hardening_ratio * steel.elastic_modulus
-        return ShearYielding(modulus, steel.shear_modulus, steel.yield_stress, hardening)
+        moduli = steel.elastic_modulus, steel.shear_modulus
+        hardening = steel.hardening_modulus or self.hardening_ratio * steel.elastic_modulus
+        return ShearYielding(*moduli, steel.yield_stress, hardening, steel.rate)

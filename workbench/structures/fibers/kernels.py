@@ -5,8 +5,8 @@ p[3] isotropic modulus; with rate p[4], p[5], the Cowper-Symonds D and q. Menego
 p[4] R0, p[5] cR1, p[6] cR2. The first state of every law is the plastic strain, so that
 stress = E (strain - plastic strain) always.
 Normal and shear stress together: eps, gamma strains, p their plastic parts; xi = (sigma - H eps_p,
-tau - H gamma_p / 3) the stress from the centre of the yield ellipse xi_1^2 + 3 xi_2^2 = fy^2; flow
-(xi_1, 3 xi_2) lam by closest-point projection.
+tau - H gamma_p / 3) the stress from the centre of the yield ellipse xi_1^2 + 3 xi_2^2 = s^2; flow
+(xi_1, 3 xi_2) lam by closest-point projection, s = fy, or s = fy (1 + (lam s / (D dt))^(1/q)).
 Sections: strains Gamma_1 of the axis, Gamma_2 of shear, curvature kappa; forces N, V, M; fiber
 strain eps = Gamma_1 - y kappa, so that M = -sum(sigma y A).
 Sources: Simo and Hughes 1998, boxes 1.5 and 1.6, section 3.3; Menegotto and Pinto 1973; Filippou
@@ -18,29 +18,9 @@ import math
 import numpy as np
 
 from workbench.compiled import njit
+from workbench.structures.overstress import ITERATIONS, rate_flow, rate_multiplier
 
-LINEAR, LINEAR_RATE, MENEGOTTO_PINTO, SHEARED = 0, 1, 2, 3
-ITERATIONS = 60
-
-
-@njit(cache=True, error_model="numpy")
-def rate_flow(excess, resistance, fy, D, q, duration):
-    """Plastic strain of a step with Cowper-Symonds overstress, and d(strain)/d(excess).
-
-    Solves resistance g + fy (g / (D dt))^(1/q) = excess for the plastic strain g, where
-    `excess` is the trial stress above the static yield stress. In x = (g / (D dt))^(1/q) the left
-    side is convex and rising, so that Newton's method from above is monotone.
-    """
-    scale = resistance * D * duration
-    x = min(excess / fy, (excess / scale) ** (1.0 / q))
-    for _ in range(ITERATIONS):
-        power = scale * x ** (q - 1.0)
-        change = (power * x + fy * x - excess) / (q * power + fy)
-        x -= change
-        if abs(change) <= 1e-15 * x:
-            break
-    strain_slope = D * duration * q * x ** (q - 1.0)  # dg/dx
-    return D * duration * x**q, strain_slope / (resistance * strain_slope + fy)
+LINEAR, LINEAR_RATE, MENEGOTTO_PINTO, SHEARED, SHEARED_RATE = 0, 1, 2, 3, 4
 
 
 @njit(cache=True, error_model="numpy")
@@ -165,12 +145,14 @@ def multiplier(first, second, a, b, fy):
 
 
 @njit(cache=True, error_model="numpy")
-def sheared(E, G, H, fy, eps, gamma, eps_p, gamma_p):
+def sheared(p, duration, eps, gamma, eps_p, gamma_p):
     """Stresses, tangent (11, 12, 22) and new plastic strains of a fiber.
 
-    Arguments: moduli and yield stress in Pa; strains; committed plastic strains. Result:
-    sigma, tau, three tangent moduli, plastic strain and plastic shear strain.
+    Arguments: parameters (E, H, fy, G, D, q) of the law; `duration` of the step in s, infinite
+    without a rate; strains; committed plastic strains. Result: sigma, tau, three tangent moduli,
+    plastic strain and plastic shear strain.
     """
+    E, H, fy, G = p[0], p[1], p[2], p[3]
     sigma = E * (eps - eps_p)
     tau = G * (gamma - gamma_p)
     first = sigma - H * eps_p
@@ -178,18 +160,22 @@ def sheared(E, G, H, fy, eps, gamma, eps_p, gamma_p):
     if first * first + 3.0 * second * second <= fy * fy:
         return sigma, tau, E, 0.0, G, eps_p, gamma_p
     a, b = E + H, 3.0 * G + H
-    lam = multiplier(first, math.sqrt(3.0) * second, a, b, fy)
+    third = math.sqrt(3.0) * second
+    if duration == np.inf:
+        lam, stiffness = multiplier(first, third, a, b, fy), 0.0
+    else:
+        lam, stiffness = rate_multiplier(first, third, a, b, fy, 0.0, fy, p[4], p[5], duration)
     one, two = 1.0 / (1.0 + a * lam), 1.0 / (1.0 + b * lam)
     first *= one
     second *= two
     eps_p += lam * first
     gamma_p += 3.0 * lam * second
-    # d(xi) = X W d(strain) - u (u . W d(strain)) / (n . u) with X = diag(a one, b two / 3),
-    # W = diag(E / a, 3 G / b), n = (xi_1, 3 xi_2), u = X n; and
+    # d(xi) = X W d(strain) - u (u . W d(strain)) / (n . u + s ds/dlam) with X = diag(a one,
+    # b two / 3), W = diag(E / a, 3 G / b), n = (xi_1, 3 xi_2), u = X n, s^2 = n . xi; and
     # d(stress) = (D - D W) d(strain) + W d(xi) with D = diag(E, G)
     w1, w2 = E / a, 3.0 * G / b
     u1, u2 = a * one * first, b * two * second
-    across = first * u1 + 3.0 * second * u2
+    across = first * u1 + 3.0 * second * u2 + stiffness
     k11 = E * (1.0 - w1) + w1 * w1 * (a * one - u1 * u1 / across)
     k12 = -w1 * w2 * u1 * u2 / across
     k22 = G * (1.0 - w2) + w2 * w2 * (b * two / 3.0 - u2 * u2 / across)
@@ -212,7 +198,7 @@ def section_response(sections, s, weight, duration, strains, old, new):
     y, area, initial = sections.y[s], sections.area[s], sections.initial[s]
     N = V = M = 0.0
     c00 = c01 = c02 = c11 = c12 = c22 = 0.0
-    if code != SHEARED:
+    if code < SHEARED:
         E, H, fy, Hi = p[0], p[1], p[2], p[3]
         for f in range(y.shape[0]):
             eps = gamma1 - y[f] * kappa + initial[f]
@@ -237,13 +223,13 @@ def section_response(sections, s, weight, duration, strains, old, new):
             c02 -= modulus
             c22 += modulus * y[f]
     else:
-        E, H, fy, G = p[0], p[1], p[2], p[3]
         share = sections.share[s]
+        lasting = duration if code == SHEARED_RATE else np.inf
         for f in range(y.shape[0]):
             eps = gamma1 - y[f] * kappa + initial[f]
             w = share[f]
             sigma, tau, k11, k12, k22, plastic, slid = sheared(
-                E, G, H, fy, eps, w * gamma2, old[0, f], old[1, f]
+                p, lasting, eps, w * gamma2, old[0, f], old[1, f]
             )
             new[0, f] = old[0, f] + on * (plastic - old[0, f])
             new[1, f] = old[1, f] + on * (slid - old[1, f])
@@ -290,7 +276,7 @@ def section_energies(sections, s, weight, dx, before, after, old, new):
         algorithmic += lag * volume * (E * change * change + H * flow * flow)
         start, end = E * elastic0 - H * p0, E * elastic1 - H * p1
         work = ((1.0 - weight) * start + weight * end) * flow
-        if code == SHEARED:
+        if code >= SHEARED:
             w = sections.share[s, f]
             p0, p1 = old[1, f], new[1, f]
             elastic0, elastic1 = w * before[1] - p0, w * after[1] - p1

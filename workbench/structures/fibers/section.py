@@ -30,6 +30,11 @@ def parameters(*values: float) -> Array:
     return np.array([*values, *[0.0] * (8 - len(values))])
 
 
+def _rate_numbers(rate: CowperSymonds | None) -> tuple[float, float]:
+    """D and q; without a rate they are not read."""
+    return (1.0, 1.0) if rate is None else (rate.reference_rate, rate.exponent)
+
+
 @dataclass(frozen=True)
 class LinearHardening(Declared, table="law"):
     """Elastic, then plastic with linear hardening; without hardening moduli perfectly plastic.
@@ -54,15 +59,9 @@ class LinearHardening(Declared, table="law"):
 
     def parameters(self) -> Array:
         """Numbers for the kernels, (8,)."""
-        rate = self.rate or CowperSymonds(1.0, 1.0)  # without a rate not read
-        return parameters(
-            self.elastic_modulus,
-            self.kinematic_modulus,
-            self.yield_stress,
-            self.isotropic_modulus,
-            rate.reference_rate,
-            rate.exponent,
-        )
+        moduli = self.elastic_modulus, self.kinematic_modulus
+        strengths = self.yield_stress, self.isotropic_modulus
+        return parameters(*moduli, *strengths, *_rate_numbers(self.rate))
 
 
 @dataclass(frozen=True)
@@ -101,23 +100,28 @@ class ShearYielding(Declared, table="law"):
 
     Arguments in Pa: `elastic_modulus`, `shear_modulus`, `yield_stress`, and the very small
     `kinematic_modulus` that only regularises (the centre of the yield ellipse moves by H eps_p
-    and H gamma_p / 3). State of a fiber: plastic strain and plastic shear strain. A fiber
-    without shear strain follows the perfectly plastic uniaxial law.
+    and H gamma_p / 3), or a hardening that is meant; `rate`, sensitivity to the equivalent plastic
+    strain rate, or None. State of a fiber: plastic strain and plastic shear strain. A fiber without
+    shear strain follows the uniaxial law.
     """
 
     elastic_modulus: float = checked(_MODULUS)
     shear_modulus: float = checked(_MODULUS)
     yield_stress: float = checked(_MODULUS)
     kinematic_modulus: float = checked(_HARDENING, 0.0)
+    rate: CowperSymonds | None = None
 
-    code: ClassVar[int] = kernels.SHEARED
     states: ClassVar[int] = 2
-    rate: ClassVar[None] = None
+
+    @property
+    def code(self) -> int:
+        """Number of the kernel."""
+        return kernels.SHEARED if self.rate is None else kernels.SHEARED_RATE
 
     def parameters(self) -> Array:
         """Numbers for the kernels, (8,)."""
-        moduli = self.elastic_modulus, self.kinematic_modulus
-        return parameters(*moduli, self.yield_stress, self.shear_modulus)
+        moduli = self.elastic_modulus, self.kinematic_modulus, self.yield_stress, self.shear_modulus
+        return parameters(*moduli, *_rate_numbers(self.rate))
 
 
 UniaxialLaw = LinearHardening | MenegottoPinto
