@@ -82,6 +82,7 @@ class ByRule(Answering):
 models: Mapping[str, Any] = {
     BEAM: FiberReissner(levels=2),
     "4-DOF": FourDof(hit_mass="waves"),
+    "4-DOF, bars": FourDof(hit_mass="waves", rate_level="bars"),
     "4-DOF, hit mass of the thesis": FourDof(),
     "SDOF": SingleDof(hit_mass="waves"),
     "energy": EnergyEstimate(hit_mass="waves"),
