@@ -179,7 +179,7 @@ def test_tangent_of_gradual_hinges(pinned: bool) -> None:
 
     def forces(trial: Array, spread: Array) -> tuple[Array, Array, Array]:
         k, flow = np.empty((3, 3)), np.empty(3)
-        found = np.array(kernels.gradual_law(own, 0, trial, spread, k, flow))
+        found = np.array(kernels.gradual_law(own.rows[0], own, 0, trial, spread, k, flow))
         return found, k, flow
 
     off = 0

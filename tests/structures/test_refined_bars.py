@@ -80,7 +80,7 @@ def test_rates_are_those_of_the_thesis(moment: tuple[float, float]) -> None:
     # an increment that raises the force state of both ends
     step = 1e-6 * np.linalg.solve([[k1, k], [k, k1]], np.sign(moments) * MP)
     out, step = np.empty(5), np.array([0.0, *step])
-    law = partial(beam_kernels.refined_law, bar, squash, 1.0, start)
+    law = partial(beam_kernels.refined_law, bar, squash, 1.0, 0.0, start)
     law(start + step, 0.0, moments, turn, out)
     assert out[1:3] - moments == pytest.approx(matrix @ step[1:], rel=1e-4)
     # and back: an end whose force state falls is elastic
@@ -97,17 +97,19 @@ def test_tangent_modulus_acts_on_increments() -> None:
     moments, out, none = np.array([0.2, -0.2]) * MP, np.empty(5), np.zeros(2)
     k1, k, _ = beam_kernels.stiffness(bar, -0.3 * NP, 1.0)
     turn = moments / (k1 - k)
-    beam_kernels.refined_law(bar, squash, 1.0, *at, 0.0, moments, turn, out)
+    beam_kernels.refined_law(bar, squash, 1.0, 0.0, *at, 0.0, moments, turn, out)
     # P-delta of a uniformly bent bar takes N l / 6 of each rotation (Przemieniecki 1968)
     assert moments[0] - out[1] == pytest.approx(0.5 * NP * length / 6.0 * turn[0], rel=0.02)
     bent, more = out[1:3].copy(), np.array([0.0, 1e-6, -1e-6])
-    beam_kernels.refined_law(bar, squash, 1.0, at[1], at[1] + more, 0.0, bent, out[3:].copy(), out)
+    beam_kernels.refined_law(
+        bar, squash, 1.0, 0.0, at[1], at[1] + more, 0.0, bent, out[3:].copy(), out
+    )
     k1, k, _ = beam_kernels.stiffness(bar, -0.8 * NP, -2.7243 * 0.8 * log(0.8))
     state = 0.8 + 8.0 / 9.0 * bent[0] / (100.0 * MP)
     phi = 4.0 * state * (1.0 - state)
     added = phi * (k1 - k**2 / k1 * (1.0 - phi) - phi * k)  # equation 2.9, both ends alike
     assert out[1] - bent[0] == pytest.approx(1e-6 * added, rel=1e-4)
-    beam_kernels.refined_law(bar, squash, 1.0, at[0], at[0], 0.0, none, none, out)
+    beam_kernels.refined_law(bar, squash, 1.0, 0.0, at[0], at[0], 0.0, none, none, out)
     assert np.all(out[1:] == 0.0)
 
 
@@ -118,6 +120,6 @@ def test_forces_stay_on_the_surface() -> None:
     for _ in range(200):
         end = rng.standard_normal(3) * np.array([0.02, 0.1, 0.1])
         none = np.zeros(2)
-        beam_kernels.refined_law(bar, squash, 1.0, np.zeros(3), end, 0.0, none, none, out)
+        beam_kernels.refined_law(bar, squash, 1.0, 0.0, np.zeros(3), end, 0.0, none, none, out)
         n, m = abs(out[0]) / NP, np.abs(out[1:3]).max() / MP
         assert max(n + 8.0 / 9.0 * m, 0.5 * n + m) <= 1.0 + 1e-6

@@ -10,21 +10,28 @@ docs/theory/frame-models.md.
 from abc import abstractmethod
 from dataclasses import dataclass, replace
 from math import ceil, inf, pi, sqrt
-from typing import ClassVar
+from typing import ClassVar, cast
 
 import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Flag, Number, checked
-from workbench.frames.elastic import dead_load_state
-from workbench.frames.members import fiber_section, shear_demand, shear_stiffness
+from workbench.frames.members import fiber_section, shear_stiffness
 from workbench.frames.structure import FrameStructure
 from workbench.frames.superelements import Piece, cut_members, joint_surface, series
 from workbench.hinges import YieldSurface
 from workbench.hinges.interaction import RULES, polyline
 from workbench.models.bar_frames import BarFrames, Cut
 from workbench.models.frame_model import as_frame
-from workbench.responses import Finding, Response, finding
+from workbench.models.hinge_findings import (
+    axial_findings,
+    capacity_findings,
+    catenary_reach,
+    class_findings,
+    lateral_findings,
+    strength_shares,
+)
+from workbench.responses import Finding, Response, finding, findings_of, set_findings
 from workbench.scenarios import (
     ColumnScenario,
     Frame,
@@ -33,6 +40,7 @@ from workbench.scenarios import (
     FrameScenario,
     FrameStatic,
 )
+from workbench.sections.slenderness import rotation_capacity
 from workbench.structures.bars import (
     NO_INTERACTION,
     Bar,
@@ -47,7 +55,6 @@ SAFE = 0.9  # of the Euler load of a pin-ended bar, which the squash load must n
 IMPERFECT = 0.877  # AISC 360, E3: strength of a slender column over its Euler load
 CATENARY = 0.5  # Mp / Npl, from where the hinge models without elongation are warned of
 NO_MOMENT_LOST = 0.25  # of the squash load, tension of a run; EN 1993-1-1, 6.2.9.1 (4)
-AXIAL_SHARE = 0.15  # of the squash load; EN 1993-1-1, 6.2.9.1: an I section then loses some moment
 
 
 @dataclass(frozen=True)
@@ -179,10 +186,14 @@ class PlasticHinge(BarHinges):
     """Plastic hinges on a yield surface: elastic and geometric less plastic reduction matrix.
 
     Options: `surface`, the rule of N-M interaction; `elements` are more where the squash load nears
-    the Euler load of a pin-ended element.
+    the Euler load of a pin-ended element; `degradation` of strength and stiffness by the `energy`
+    that a hinge dissipates in bending, all of it at M_p times a `rotation_capacity` (None: that of
+    tests of I sections).
     """
 
     surface: str = checked(Choice(RULES), "exact")
+    degradation: str = checked(Choice(("none", "energy")), "none")
+    rotation_capacity: float | None = checked(Number(1e-3, 1e3, "rad"), optional=True)
 
     name: ClassVar[str] = "plastic-hinge"
     version: ClassVar[int] = 4
@@ -201,6 +212,36 @@ class PlasticHinge(BarHinges):
         if joint_governs:
             return np.array([[0.0, 1.0], [1.0, 0.0]])
         return polyline(self.surface, frame.strength_section(piece.member))
+
+    def check(self) -> None:
+        """Refuse a capacity that nothing spends."""
+        if self.rotation_capacity is not None and self.degradation == "none":
+            raise self.refusal("rotation_capacity", "has no effect without degradation = energy")
+
+    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
+        """Also of hinges that wear."""
+        findings, event = super().domain(scenario), as_frame(scenario)
+        if self.degradation == "none":
+            return findings
+        if isinstance(event, FrameImpact) and (reach := catenary_reach(event)) > CATENARY:
+            findings.append(finding("wear-in-catenary", reach, reach=reach))
+        return findings + ([] if self.rotation_capacity else capacity_findings(event.frame))
+
+    def _end(self, frame: Frame, piece: Piece, side: int) -> PlasticEnd:
+        end = super()._end(frame, piece, side)
+        if self.degradation == "none":
+            return end
+        rotation = self.rotation_capacity or rotation_capacity(piece.member.section, frame.steel)
+        sway = piece.parts * piece.length / (6.0 * piece.bending)  # of a member in double curvature
+        return replace(end, rotation=rotation, softness=sway)
+
+    def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
+        """Answer it, and tell the least share of its strength that a hinge has left."""
+        response = super().run(scenario, structure)
+        if self.degradation != "none":
+            left = cast(BarElements, structure.members.elements).strength_left
+            response.attrs["least_strength"] = float(left.min())
+        return response
 
 
 @dataclass(frozen=True)
@@ -240,10 +281,15 @@ class RefinedPlasticHinge(BarHinges):
     """Refined plastic hinges: stability functions, tangent modulus, stiffness lost by degrees.
 
     Options: `imperfect`, E taken 0.877 times, so that the tangent modulus is that of the AISC
-    column curve with its initial crookedness.
+    column curve with its initial crookedness; `modulus`, double where the strain of a flange
+    falls; `local_buckling`, strength by the classes of EN 1993-1-1; `unbraced_length` in m between
+    lateral restraints, for a check of lateral-torsional buckling (None: not checked).
     """
 
     imperfect: bool = checked(Flag(), False)
+    modulus: str = checked(Choice(("tangent", "double")), "tangent")
+    local_buckling: bool = checked(Flag(), False)
+    unbraced_length: float | None = checked(Number(0.01, 1e3, "m"), optional=True)
 
     name: ClassVar[str] = "refined-plastic-hinge"
     version: ClassVar[int] = 6
@@ -261,7 +307,7 @@ class RefinedPlasticHinge(BarHinges):
         "compression alone.",
         "Moments return to the surface without normal flow: in catenary action the axial force "
         "wins and moments vanish.",
-        "No shear yielding, no local buckling; strain rate by one factor.",
+        "No shear yielding; local buckling by class alone, if asked for; strain rate by one factor.",
     )
 
     def parts(self, scenario: FrameScenario) -> list[int]:
@@ -274,36 +320,29 @@ class RefinedPlasticHinge(BarHinges):
 
     def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
         """The elements."""
-        reduction = IMPERFECT if self.imperfect else 1.0
-        return refined_bars(cut[1], bars, reduction, self.regularisation, self.first_order)
+        reduction, double = IMPERFECT if self.imperfect else 1.0, self.modulus == "double"
+        return refined_bars(cut[1], bars, reduction, double, self.regularisation, self.first_order)
 
+    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
+        """Also of plates that buckle."""
+        more = class_findings(as_frame(scenario).frame) if self.local_buckling else []
+        return super().domain(scenario) + more
 
-def catenary_reach(scenario: FrameImpact) -> float:
-    """Displacement that takes the energy of a hit, over Mp / Npl of the struck member.
+    def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
+        """Also check members against lateral-torsional buckling under the moments of the run."""
+        response = super().solve(scenario)
+        if self.unbraced_length:
+            moments, frame = np.abs(response["moment"].values), as_frame(scenario).frame
+            largest = moments.reshape(len(frame.members), -1).max(axis=1)
+            lateral = lateral_findings(frame, largest, self.unbraced_length, self.local_buckling)
+            set_findings(response, [*findings_of(response), *lateral])
+        return response
 
-    By the mechanism of the struck members between their joints; from about 1 on the axial force
-    of a member that is held carries as much as its moments do.
-    """
-    frame, demand = scenario.frame, shear_demand(scenario)
-    struck = [m for m in frame.members if scenario.striker.node in (m.start, m.end)]
-    force = sum(demand[m.name] * frame.properties(m).shear_resistance for m in struck)
-    properties = frame.properties(struck[0])
-    return (
-        scenario.input_energy
-        * properties.squash_load
-        / max(force * properties.plastic_moment, 1e-300)
-    )
-
-
-def axial_findings(frame: Frame, effect: str) -> list[Finding]:
-    """Warning of dead loads that are a share of a squash load that has an `effect` on hinges."""
-    state = dead_load_state(frame)
-    shares = {
-        member.name: abs(force) / frame.properties(member).squash_load
-        for member, force in zip(frame.members, state.axial, strict=True)
-    }
-    worst = max(shares, key=lambda name: shares[name])
-    if shares[worst] <= AXIAL_SHARE:
-        return []
-    values = {"share": shares[worst], "member": worst}
-    return [finding("interaction", shares[worst], effect=effect, **values)]
+    def _end(self, frame: Frame, piece: Piece, side: int) -> PlasticEnd:
+        end, whole = super()._end(frame, piece, side), frame.properties(piece.member)
+        if not self.local_buckling:
+            return end
+        axial, moment = strength_shares(frame, piece.member)
+        compression = min(end.axial[1], axial * whole.squash_load)
+        first, last = (min(each, moment * whole.plastic_moment) for each in end.moments)
+        return replace(end, axial=(end.axial[0], compression), moments=(first, last))

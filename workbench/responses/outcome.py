@@ -20,7 +20,11 @@ _NOT_OF_DOMAIN = frozenset(
     (
         *("mesh", "refinement", "time-step", "damping", "yield-ratio", "energy-balance", "no-peak"),
         *("section", "plates", "exponents", "no-residual", "light-striker"),
-        *("error-not-measured", "close-to-collapse"),  # of the error, which may be small
+        *(
+            "error-not-measured",
+            "close-to-collapse",
+            "lateral-check",
+        ),  # of the error, which may be small
         *("estimate", "ends", "plausibility"),  # a column cut out of its frame is always one
         *("evidence", "series", "campaigns", "bounds", "grade", "measurement", SYNTHETIC),
     )

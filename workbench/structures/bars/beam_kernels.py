@@ -19,7 +19,9 @@ adds
 and dM = K(N, E_t) dt + dN (dK/dN) t: the tangent modulus acts on increments. K dt is the matrix of
 Heng 2017, eq. 2.9, with Liew's phi: 1 while the force state alpha is below 1/2 or falls,
 4 alpha (1 - alpha) above, 0 in a full hinge, where M stays on the surface alpha = 1.
-Tables and states: `RefinedTables`, `RefinedState`.
+With the double modulus E_t is that of the flanges of an ideal I section, each E_t as its
+compression grows and E as it falls, see `both_moduli`. Tables and states: `RefinedTables`,
+`RefinedState`.
 """
 
 import math
@@ -85,6 +87,20 @@ def modulus(n):
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
+def both_moduli(tangent, shortening, bending):
+    """Share of E by which two flanges bend, one of `tangent` E where its compression grows.
+
+    Arguments: elastic strains that a step adds: `shortening` of the axis, `bending` of a flange.
+    Between E_t, where both are compressed further (Shanley), and E, where neither is; without
+    shortening the double modulus 2 E_t E / (E + E_t) of Engesser and von Karman.
+    """
+    if bending == 0.0:
+        return tangent if shortening >= 0.0 else 1.0
+    share = (2.0 * tangent - (1.0 - tangent) * shortening / bending) / (1.0 + tangent)
+    return max(min(share, 1.0), tangent)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
 def force_state(n, m):
     """Force-state parameter, 1 on the surface of AISC H1-1 (Heng 2017, 2.10 and 2.11)."""
     return max(n + 8.0 / 9.0 * m, 0.5 * n + m)
@@ -135,12 +151,13 @@ def soft(n, m, before, pinned):
 
 
 @njit(cache=True, error_model="numpy")
-def refined_law(bar, squash, reduction, start, end, plastic, moment, turn, out):
+def refined_law(bar, squash, reduction, radius, start, end, plastic, moment, turn, out):
     """Forces at deformations `end` (3,) of an element that was at `start` (3,), in substeps.
 
     Arguments: a row of BAR; `squash` loads (2,) in tension and compression; `reduction` of E;
-    `plastic` elongation (m), `moment` and rotations `turn` (2,) at the start. Writes N, M_1, M_4
-    and the rotations at the end to `out` (5,); result: the new plastic elongation.
+    `radius` of gyration in m for the double modulus (0: the tangent modulus); `plastic` elongation
+    (m), `moment` and rotations `turn` (2,) at the start. Writes N, M_1, M_4 and the rotations at
+    the end to `out` (5,); result: the new plastic elongation.
     """
     t1, t4 = turn[0], turn[1]
     m1, m4 = moment[0], moment[1]
@@ -148,11 +165,12 @@ def refined_law(bar, squash, reduction, start, end, plastic, moment, turn, out):
     share = reduction * modulus(-N / squash[1])
     k1, k, k4 = stiffness(bar, N, share)
     d1, d4 = (end[1] - start[1]) / SUBSTEPS, (end[2] - start[2]) / SUBSTEPS
+    bending = radius * max(abs(4.0 * d1 + 2.0 * d4), abs(2.0 * d1 + 4.0 * d4))
     for i in range(1, SUBSTEPS + 1):
         n = abs(N) / squash[0 if N >= 0.0 else 1]
         a1 = n, abs(m1) / (bar.high1 if m1 > 0.0 else -bar.low1)
         a4 = n, abs(m4) / (bar.high4 if m4 > 0.0 else -bar.low4)
-        elongation = start[0] + (end[0] - start[0]) * i / SUBSTEPS
+        elongation, before = start[0] + (end[0] - start[0]) * i / SUBSTEPS, N
         N = (elongation - plastic) / bar.axial
         N = max(min(N, squash[0]), -squash[1])
         plastic = elongation - N * bar.axial
@@ -161,7 +179,10 @@ def refined_law(bar, squash, reduction, start, end, plastic, moment, turn, out):
         s1, s, s4 = stiffness(bar, N, share)
         m1 += (s1 - k1) * t1 + (s - k) * t4
         m4 += (s - k) * t1 + (s4 - k4) * t4
-        share = reduction * modulus(-N / squash[1])
+        share = modulus(-N / squash[1])
+        if radius > 0.0:
+            share = both_moduli(share, (before - N) * bar.axial, bending)
+        share *= reduction
         k1, k, k4 = stiffness(bar, N, share)
         e1, e4 = m1 + k1 * d1 + k * d4, m4 + k * d1 + k4 * d4
         p1 = soft(n, abs(e1) / (bar.high1 if e1 > 0.0 else -bar.low1), a1, bar.pinned1)
@@ -210,6 +231,7 @@ def assemble(step, bars, tables, old, new):
             bar,
             tables.squash[e],
             tables.reduction,
+            tables.radius[e],
             start,
             new.deformation[e],
             plastic,
@@ -232,6 +254,7 @@ def assemble(step, bars, tables, old, new):
                     bar,
                     tables.squash[e],
                     tables.reduction,
+                    tables.radius[e],
                     start,
                     end,
                     plastic,

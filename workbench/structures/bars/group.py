@@ -31,7 +31,9 @@ class PlasticEnd:
     resistance, from 0 on; `stiffness` of the joint in N m/rad (0: a pin); `hardening`, kinematic,
     in N m per rad of plastic rotation; `first_yield`, the share of the moments at which an end
     yields first without N, and `spread` (2, points), how much of the way from there to `curve` it
-    has hardened over its accumulated plastic rotation in rad (1 and None: at once).
+    has hardened over its accumulated plastic rotation in rad (1 and None: at once); `rotation`
+    in rad, over which a hinge would spend the energy that takes all its strength (inf: none), and
+    its `softness` in rad/(N m), see `kernels.worn`.
     """
 
     axial: tuple[float, float]
@@ -41,6 +43,8 @@ class PlasticEnd:
     hardening: float = 0.0
     first_yield: float = 1.0
     spread: Array | None = None
+    rotation: float = inf
+    softness: float = 0.0
 
     def share(self, side: int, axial: Array) -> Array:
         """Share of the plastic moment left at |N| (n,) in tension (side 0) or compression."""
@@ -147,7 +151,8 @@ class BarElements(HingedElements):
         """Energies of the step from the committed state to the one assembled last.
 
         What the work of the forces leaves beside stored energy and plastic work is algorithmic,
-        but plastic where no energy stands behind the law. Fibers have their own account.
+        but plastic where no energy stands behind the law, and the half of the work that elastic
+        springs take as they soften under the old moments. Fibers have their own account.
         """
         if hasattr(self.kernels, "account"):
             return super().account(weight)
@@ -157,6 +162,10 @@ class BarElements(HingedElements):
         flow = change - (after - before)
         force = weight * new.local + (1.0 - weight) * old.local
         plastic, ideal = float(np.sum(force * flow)), float(np.sum(new.local * flow))
+        if hasattr(new, "strength") and np.any(new.strength != old.strength):
+            softer, _ = self.elastic(new._replace(local=old.local))
+            damage = 0.5 * float(np.sum((softer - before) * new.local))
+            plastic, ideal = plastic + damage, ideal + damage
         lost = float(np.sum(force * change)) - (stored - held)
         if self._conservative:
             return StepEnergies(stored, plastic, lost - plastic, ideal)
@@ -173,12 +182,20 @@ class BarElements(HingedElements):
         u, first, last = (self._old.deformation - self.elastic(self._old)[0]).T
         return np.stack([u, first, np.zeros_like(u), last], axis=1)
 
+    @property
+    def strength_left(self) -> Array:
+        """Committed shares of their strength that worn hinges have left (elements, 2)."""
+        whole = np.ones((len(self._bars), 2))
+        return np.asarray(getattr(self._old, "left", whole))
+
     def utilisation(self) -> Array:
         """Radius of N and M over that of the yield curve at both ends (elements, 2)."""
+        n, m1, m4 = self._old.local.T
+        one, four = np.transpose(getattr(self._old, "strength", self.strength_left))
         return np.array(
             [
                 (bar.start.gauge(n, -m1), bar.end.gauge(n, m4))
-                for bar, (n, m1, m4) in zip(self._bars, self._old.local, strict=True)
+                for bar, n, m1, m4 in zip(self._bars, n, m1 / one, m4 / four, strict=True)
             ]
         )
 

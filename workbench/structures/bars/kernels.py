@@ -10,6 +10,11 @@ capacities are polylines over |N|, so that N lies on one of their corners or bet
 Tangent: elastic and geometric stiffness less the plastic reduction matrix of the hinges that flow,
 K a a^T K / (a^T K a + h), one after the other. Source: Orbison, McGuire and Abel 1982; the
 implicit form is derived in docs/theory/frame-models.md.
+
+Hinges may wear: of their strength a share exp(-W / M_p Lambda) is left, W / M_p the work of bending
+over the moment that they still have, which is 1 - E / E_t, E their dissipated energy and E_t =
+M_p Lambda (Rahnama and Krawinkler 1993, exponent 1); the moments of a step meet what the steps
+before have left.
 """
 
 import math
@@ -27,6 +32,7 @@ ITERATIONS = 60
 GRADUAL = 60  # iterations of gradual hinges
 SETTLED = 1e-12  # change of a plastic rotation over those of the chord
 CLOSED = 1e-14  # of the terms that make the gap
+LEAST = 1e-6  # of the strength of a worn hinge, which then is a pin
 
 
 class Flow(NamedTuple):
@@ -220,15 +226,16 @@ def hardened(curve, rotation):
 
 
 @njit(cache=True, error_model="numpy")
-def gradual_law(tables, e, trial, spread, k, flow):
+def gradual_law(bar, tables, e, trial, spread, k, flow):
     """`hinged_law` of hinges that harden from first yield to the full surface, isotropically.
 
-    Argument: plastic rotations `spread` (2,) accumulated so far. The surface is that at the end of
-    the step: Newton's iteration on the rotations r, in which the law itself solves for hinges that
-    harden in proportion from where the last r has brought them, M = c + h (r - r_last). As
-    hardening slows down, r rises to the solution from below, in 13 steps at most of 40 000 cases.
+    Arguments: `bar`, its row of BAR as worn; plastic rotations `spread` (2,) accumulated so far.
+    The surface is that at the end of the step: Newton's iteration on the rotations r, in which the
+    law itself solves for hinges that harden in proportion from where the last r has brought them,
+    M = c + h (r - r_last). As hardening slows down, r rises to the solution from below, in 13 steps
+    at most of 40 000 cases.
     """
-    bar, counts = tables.rows[e], tables.counts[e]
+    counts = tables.counts[e]
     full, first = tables.corners[e], tables.first[e]
     surface, turned = full.copy(), np.zeros(2)
     hard, turn = np.empty(2), np.empty(2)
@@ -271,24 +278,55 @@ def elastic(rows, local, deformation, stored):
         stored[e] = N * (0.5 * N * bar.axial + bow) + 0.5 * (m1 * turn1 + m4 * turn4)
 
 
+@njit(cache=True, error_model="numpy", forceinline=True)
+def worn(tables, e, left, rows):
+    """Row of BAR of an element whose hinges have shares `left` (2,) of their strength.
+
+    Their elastic flexibility has grown by softness (1 / left - 1). `rows` (1,), where it is put.
+    """
+    rows[0] = tables.rows[e]
+    bar = rows[0]
+    bar.low1 *= left[0]
+    bar.high1 *= left[0]
+    bar.low4 *= left[1]
+    bar.high4 *= left[1]
+    bar.spring1 += tables.softness[e, 0] * (1.0 / left[0] - 1.0)
+    bar.spring4 += tables.softness[e, 1] * (1.0 / left[1] - 1.0)
+    return bar
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def remains(left, moment, turned, low, high, rotation):
+    """Share of its strength that is left to a hinge after a plastic rotation at a moment."""
+    if moment * turned == 0.0:
+        return left
+    spent = abs(moment * turned) / (high if moment > 0.0 else -low)
+    return max(left * math.exp(-spent / rotation), LEAST)
+
+
 @njit(cache=True, error_model="numpy")
 def assemble(step, bars, tables, old, new):
     """Add forces and tangents of all elements for a `step`; write the state `new`."""
     k, work = np.empty((3, 3)), np.empty((7, 4))
     trial, flow, hard, none = np.empty(3), np.empty(3), np.empty(2), np.zeros(2)
-    eta = tables.eta
+    eta, rows = tables.eta, tables.rows[:1].copy()
     for e in range(bars.dofs.shape[0]):
-        bar, deformation = tables.rows[e], new.deformation[e]
+        left, deformation = old.left[e], new.deformation[e]
+        bar = worn(tables, e, left, rows)
         chord = deform(bars, e, step.end, deformation)
         trial[:] = deformation - old.plastic[e]
         if tables.gradual:
-            N, m1, m4 = gradual_law(tables, e, trial, old.spread[e], k, flow)
+            N, m1, m4 = gradual_law(bar, tables, e, trial, old.spread[e], k, flow)
         else:
             hard[0], hard[1] = bar.hardening1, bar.hardening4
             corners, counts = tables.corners[e], tables.counts[e]
             N, m1, m4 = hinged_law(bar, corners, counts, trial, old.back[e], hard, none, k, flow)
             new.back[e] = old.back[e] + hard * flow[1:]
         new.spread[e] = old.spread[e] + np.abs(flow[1:])
+        over = tables.rotation[e]
+        new.strength[e] = left
+        new.left[e, 0] = remains(left[0], m1, flow[1], bar.low1, bar.high1, over[0])
+        new.left[e, 1] = remains(left[1], m4, flow[2], bar.low4, bar.high4, over[1])
         new.plastic[e] = old.plastic[e] + flow
         linear = eta * tables.stiffness[e]
         local = linear @ deformation

@@ -22,7 +22,8 @@ class BarState(NamedTuple):
 
     `local` (e, 3): N, M_1, M_4; `deformation` (e, 3): elongation and end rotations against the
     chord; `plastic` (e, 3) parts of these; `back` (e, 2): backstresses of the hinges; `spread`
-    (e, 2): their accumulated plastic rotations.
+    (e, 2): their accumulated plastic rotations; shares of their strength (e, 2): the `strength`
+    that the forces met, and what is `left` of it for the next step.
     """
 
     local: Array
@@ -30,6 +31,8 @@ class BarState(NamedTuple):
     plastic: Array
     back: Array
     spread: Array
+    strength: Array
+    left: Array
 
 
 class BarTables(NamedTuple):
@@ -37,8 +40,8 @@ class BarTables(NamedTuple):
 
     `rows` (e,), records of BAR; `corners` (e, 2, corners, 3) and `counts` (e, 2), see `hinged_law`;
     elastic `stiffness` (e, 3, 3) of first order, of which the share `eta` always acts beside the
-    hinges; if `gradual`, shares of both moments at `first` yield (e, 2, corners, 2) and `curves`
-    (e, 2, 2, points).
+    hinges; `rotation` and `softness` (e, 2) of hinges that wear, see `PlasticEnd`; if `gradual`,
+    shares of both moments at `first` yield (e, 2, corners, 2) and `curves` (e, 2, 2, points).
     """
 
     rows: Any
@@ -46,6 +49,8 @@ class BarTables(NamedTuple):
     counts: Indices
     stiffness: Array
     eta: float
+    rotation: Array
+    softness: Array
     gradual: bool
     first: Array
     curves: Array
@@ -65,6 +70,15 @@ def hinged_bars(
 
     `regularisation`, the share of the elastic stiffness beside the hinges.
     """
+    softness = np.array([[end.softness for end in (bar.start, bar.end)] for bar in bars])
+
+    def elastic(rows: Any, state: BarState) -> tuple[Array, float]:
+        if softness.any():
+            springs = softness * (1.0 / state.strength - 1.0)
+            rows = rows.copy()
+            rows["spring1"] += springs[:, 0]
+            rows["spring4"] += springs[:, 1]
+        return _elastic(rows, state)
 
     def tables(rows: Any, _lengths: Array) -> BarTables:
         sides = [side for bar in bars for side in bar.corners()]
@@ -85,13 +99,16 @@ def hinged_bars(
             np.array([len(side) for side in sides]).reshape(-1, 2),
             np.stack([first_order_stiffness(row) for row in rows]),
             regularisation,
+            np.array([[end.rotation for end in pair] for pair in ends]),
+            softness,
             gradual,
             share[:, None, None] * reach,
             np.array(curves) if gradual else np.tile(at_once, (len(ends), 2, 1, 1)),
         )
 
-    state = BarState(*(np.zeros((len(bars), width)) for width in (3, 3, 3, 2, 2)))
-    return BarElements(nodes, bars, kernels, state, tables, _elastic, first_order)
+    whole = np.ones((len(bars), 2))
+    state = BarState(*(np.zeros((len(bars), width)) for width in (3, 3, 3, 2, 2)), whole, whole)
+    return BarElements(nodes, bars, kernels, state, tables, elastic, first_order)
 
 
 class RefinedState(NamedTuple):
@@ -112,12 +129,14 @@ class RefinedTables(NamedTuple):
     """Bars as arrays for the kernels.
 
     `rows`, `stiffness` and `eta` as of `BarTables`; `squash` loads (e, 2) in tension and
-    compression; `reduction` of E; `scale` (e, 3), deformations at yield.
+    compression; `reduction` of E; `radius` (e,) of gyration for the double modulus (0: tangent
+    modulus); `scale` (e, 3), deformations at yield.
     """
 
     rows: Any
     squash: Array
     reduction: float
+    radius: Array
     scale: Array
     stiffness: Array
     eta: float
@@ -127,13 +146,17 @@ def refined_bars(
     nodes: ArrayLike,
     bars: Sequence[Bar],
     reduction: float = 1.0,
+    double: bool = False,
     regularisation: float = 1e-6,
     first_order: bool = False,
 ) -> BarElements:
     """Bars with stability functions, tangent modulus and gradual hinges at both ends.
 
-    `reduction` of the elastic modulus; `regularisation` as of `hinged_bars`.
+    `reduction` of the elastic modulus; `double` instead of tangent modulus where the compression of
+    a flange falls; `regularisation` as of `hinged_bars`.
     """
+    stiffness = [(bar.bending_stiffness, bar.axial_stiffness) for bar in bars]
+    radius = np.array([np.sqrt(bending / axial) if double else 0.0 for bending, axial in stiffness])
 
     def tables(rows: Any, _lengths: Array) -> RefinedTables:
         ends = [(bar.start, bar.end) for bar in bars]
@@ -143,6 +166,7 @@ def refined_bars(
             rows,
             squash,
             reduction,
+            radius,
             np.stack([squash.max(axis=1) * rows["axial"], turn, turn], axis=1),
             np.stack([first_order_stiffness(row) for row in rows]),
             regularisation,

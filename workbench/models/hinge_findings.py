@@ -1,0 +1,109 @@
+"""Where hinges at the ends of members stop applying: catenary action, wear, slender plates."""
+
+from workbench.arrays import Array
+from workbench.frames.elastic import dead_load_state
+from workbench.frames.members import named, shear_demand
+from workbench.responses import Finding, finding
+from workbench.scenarios import Frame, FrameImpact, Member
+from workbench.sections import CircularTube, ISection
+from workbench.sections.slenderness import (
+    TESTED,
+    lateral_torsional,
+    plate_classes,
+    shares_by_class,
+    tested_ratios,
+)
+
+AXIAL_SHARE = 0.15  # of the squash load; EN 1993-1-1, 6.2.9.1: an I section then loses some moment
+
+
+def catenary_reach(scenario: FrameImpact) -> float:
+    """Displacement that takes the energy of a hit, over Mp / Npl of the struck member.
+
+    By the mechanism of the struck members between their joints; from about 1 on the axial force
+    of a member that is held carries as much as its moments do.
+    """
+    frame, demand = scenario.frame, shear_demand(scenario)
+    struck = [m for m in frame.members if scenario.striker.node in (m.start, m.end)]
+    force = sum(demand[m.name] * frame.properties(m).shear_resistance for m in struck)
+    properties = frame.properties(struck[0])
+    return (
+        scenario.input_energy
+        * properties.squash_load
+        / max(force * properties.plastic_moment, 1e-300)
+    )
+
+
+def axial_findings(frame: Frame, effect: str) -> list[Finding]:
+    """Warning of dead loads that are a share of a squash load that has an `effect` on hinges."""
+    state = dead_load_state(frame)
+    shares = {
+        member.name: abs(force) / frame.properties(member).squash_load
+        for member, force in zip(frame.members, state.axial, strict=True)
+    }
+    worst = max(shares, key=lambda name: shares[name])
+    if shares[worst] <= AXIAL_SHARE:
+        return []
+    values = {"share": shares[worst], "member": worst}
+    return [finding("interaction", shares[worst], effect=effect, **values)]
+
+
+def capacity_findings(frame: Frame) -> list[Finding]:
+    """Refusal of members whose rotation capacity no test tells, warning of those outside tests."""
+    unknown = [m.name for m in frame.members if not isinstance(m.section.shape, ISection)]
+    if unknown:
+        return [finding("wear-unknown", members=named(unknown))]
+    outside = {
+        f"{name} = {value:.3g} ({low:g} to {high:g})": member.name
+        for member in frame.members
+        for (name, value), (low, high) in zip(
+            tested_ratios(member.section, frame.steel).items(), TESTED.values(), strict=True
+        )
+        if not low <= value <= high
+    }
+    if not outside:
+        return []
+    members = named(list(dict.fromkeys(outside.values())))
+    return [finding("wear-range", members=members, ratios=", ".join(outside))]
+
+
+def class_findings(frame: Frame) -> list[Finding]:
+    """Warnings of members of class 3 and 4, refusal of circular tubes of class 4."""
+    findings, classes = [], {m: plate_classes(m.section, frame.steel) for m in frame.members}
+    round_ones = [m for m in classes if isinstance(m.section.shape, CircularTube)]
+    if thin := [m.name for m in round_ones if max(classes[m]) == 4]:
+        return [finding("local-buckling-round", members=named(thin))]
+    slender = [m for m in classes if max(classes[m]) > 2]
+    if slender:
+        shares = [strength_shares(frame, member) for member in slender]
+        axial, moment = (min(each) for each in zip(*shares, strict=True))
+        names = named([m.name for m in slender])
+        findings.append(finding("local-buckling", moment, members=names, axial=axial))
+    return findings
+
+
+def strength_shares(frame: Frame, member: Member) -> tuple[float, float]:
+    """Shares of squash load in compression and plastic moment that a member's plates leave."""
+    return shares_by_class(member.section, frame.strength_section(member), frame.steel)
+
+
+def lateral_findings(frame: Frame, moments: Array, length: float, by_class: bool) -> list[Finding]:
+    """The I section worst off in lateral-torsional buckling.
+
+    Arguments: largest `moments` (members,) of a run in N m; `length` in m between lateral
+    restraints; whether the moment that resists is that `by_class`.
+    """
+    worst: dict[str, float | str] = {}
+    for member, moment in zip(frame.members, moments, strict=True):
+        if not isinstance(member.section.shape, ISection):
+            continue
+        resists = frame.properties(member).plastic_moment
+        resists *= strength_shares(frame, member)[1] if by_class else 1.0
+        chi = lateral_torsional(member.section.shape, frame.steel, length, resists)
+        number = float(moment / chi.resistance)
+        if number > worst.get("number", 0.0):
+            worst = {"number": number, "member": member.name, "length": length, "chi": chi.factor}
+            worst["critical"] = chi.critical / 1e3
+    if not worst:
+        return []
+    return [finding("lateral-" + ("torsional" if worst["number"] > 1.0 else "check"), **worst)]
