@@ -1,5 +1,7 @@
 """Where hinges at the ends of members stop applying: catenary action, wear, slender plates."""
 
+from typing import Any
+
 from workbench.arrays import Array
 from workbench.frames.elastic import dead_load_state
 from workbench.frames.members import named, shear_demand
@@ -93,7 +95,7 @@ def lateral_findings(frame: Frame, moments: Array, length: float, by_class: bool
     Arguments: largest `moments` (members,) of a run in N m; `length` in m between lateral
     restraints; whether the moment that resists is that `by_class`.
     """
-    worst: dict[str, float | str] = {}
+    worst: dict[str, Any] = {}
     for member, moment in zip(frame.members, moments, strict=True):
         if not isinstance(member.section.shape, ISection):
             continue
@@ -106,4 +108,5 @@ def lateral_findings(frame: Frame, moments: Array, length: float, by_class: bool
             worst["critical"] = chi.critical / 1e3
     if not worst:
         return []
-    return [finding("lateral-" + ("torsional" if worst["number"] > 1.0 else "check"), **worst)]
+    kind = "torsional" if worst["number"] > 1.0 else "check"
+    return [finding(f"lateral-{kind}", **worst)]

@@ -106,8 +106,8 @@ def hinged_bars(
             np.array(curves) if gradual else np.tile(at_once, (len(ends), 2, 1, 1)),
         )
 
-    whole = np.ones((len(bars), 2))
-    state = BarState(*(np.zeros((len(bars), width)) for width in (3, 3, 3, 2, 2)), whole, whole)
+    empty = (3, 0.0), (3, 0.0), (3, 0.0), (2, 0.0), (2, 0.0), (2, 1.0), (2, 1.0)
+    state = BarState(*(np.full((len(bars), width), value) for width, value in empty))
     return BarElements(nodes, bars, kernels, state, tables, elastic, first_order)
 
 
