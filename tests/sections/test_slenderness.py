@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from workbench.errors import OutOfDomainError
 from workbench.materials import Steel
 from workbench.sections import circular_tube, find, i_section, rectangular_tube, square
 from workbench.sections.section import Section
@@ -48,7 +49,7 @@ def test_classes_of_other_shapes() -> None:
         assert plate_classes(circular_tube(ratio * 5e-3, 5e-3), S235) == Classes(number, number)
     wide = rectangular_tube(0.2, 0.1, 4e-3)  # webs 48, flanges 23
     assert plate_classes(wide, S235) == Classes(4, 1)
-    with pytest.raises(ValueError, match="circular"):
+    with pytest.raises(OutOfDomainError, match="round"):
         shares_by_class(circular_tube(0.5, 5e-3), circular_tube(0.5, 5e-3), S235)
 
 

@@ -21,16 +21,9 @@ from workbench.frames.structure import FrameStructure
 from workbench.frames.superelements import Piece, cut_members, joint_surface, series
 from workbench.hinges import YieldSurface
 from workbench.hinges.interaction import RULES, polyline
+from workbench.models import hinge_limits
 from workbench.models.bar_frames import BarFrames, Cut
 from workbench.models.frame_model import as_frame
-from workbench.models.hinge_findings import (
-    axial_findings,
-    capacity_findings,
-    catenary_reach,
-    class_findings,
-    lateral_findings,
-    strength_shares,
-)
 from workbench.responses import Finding, Response, finding, findings_of, set_findings
 from workbench.scenarios import (
     ColumnScenario,
@@ -53,7 +46,6 @@ from workbench.structures.fibers.section import spread_of_yield
 
 SAFE = 0.9  # of the Euler load of a pin-ended bar, which the squash load must not exceed
 IMPERFECT = 0.877  # AISC 360, E3: strength of a slender column over its Euler load
-CATENARY = 0.5  # Mp / Npl, from where the hinge models without elongation are warned of
 NO_MOMENT_LOST = 0.25  # of the squash load, tension of a run; EN 1993-1-1, 6.2.9.1 (4)
 
 
@@ -72,11 +64,11 @@ class BarHinges(BarFrames):
         """Findings of all member models, and of events that a model is not made for."""
         event, findings = as_frame(scenario), []
         if isinstance(event, FrameImpact) and not self.stretches:
-            reach = catenary_reach(event)
-            if reach > CATENARY:
+            reach = hinge_limits.catenary_reach(event)
+            if reach > hinge_limits.CATENARY:
                 findings.append(finding("catenary", reach, reach=reach))
         if self.loses_moment:
-            findings += axial_findings(event.frame, self.loses_moment)
+            findings += hinge_limits.axial_findings(event.frame, self.loses_moment)
         cyclic = isinstance(event, FrameStatic) and len(event.path) > 1
         if self.in_cycles and (cyclic or isinstance(event, FrameGroundMotion)):
             findings.append(finding("cycles", effect=self.in_cycles))
@@ -197,7 +189,7 @@ class PlasticHinge(BarHinges):
 
     name: ClassVar[str] = "plastic-hinge"
     version: ClassVar[int] = 4
-    sources: ClassVar[tuple[str, ...]] = ("orbison1982", "heng2017")
+    papers: ClassVar[tuple[str, ...]] = ("orbison1982", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic up to the full plastic section, perfectly plastic hinges of zero length at the "
         "ends: yielding does not spread, and nothing softens before.",
@@ -213,6 +205,12 @@ class PlasticHinge(BarHinges):
             return np.array([[0.0, 1.0], [1.0, 0.0]])
         return polyline(self.surface, frame.strength_section(piece.member))
 
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Bibliography keys of the model and of the options that are on."""
+        wear = ("rahnama1993", "lignos2011") if self.degradation != "none" else ()
+        return (*self.papers, *wear)
+
     def check(self) -> None:
         """Refuse a capacity that nothing spends."""
         if self.rotation_capacity is not None and self.degradation == "none":
@@ -220,12 +218,11 @@ class PlasticHinge(BarHinges):
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Also of hinges that wear."""
-        findings, event = super().domain(scenario), as_frame(scenario)
-        if self.degradation == "none":
-            return findings
-        if isinstance(event, FrameImpact) and (reach := catenary_reach(event)) > CATENARY:
-            findings.append(finding("wear-in-catenary", reach, reach=reach))
-        return findings + ([] if self.rotation_capacity else capacity_findings(event.frame))
+        known = self.rotation_capacity is not None
+        wears = self.degradation != "none"
+        return super().domain(scenario) + (
+            hinge_limits.wear_findings(as_frame(scenario), known) if wears else []
+        )
 
     def _end(self, frame: Frame, piece: Piece, side: int) -> PlasticEnd:
         end = super()._end(frame, piece, side)
@@ -255,7 +252,7 @@ class QuasiPlasticHinge(PlasticHinge):
 
     name: ClassVar[str] = "quasi-plastic-hinge"
     version: ClassVar[int] = 5
-    sources: ClassVar[tuple[str, ...]] = ("attalla1994", "heng2017")
+    papers: ClassVar[tuple[str, ...]] = ("attalla1994", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Hinges yield first where the outermost fiber does and harden to the full section as the "
         "plastic zone of a linear moment with its zero half-way spreads; flow normal to the "
@@ -293,7 +290,6 @@ class RefinedPlasticHinge(BarHinges):
 
     name: ClassVar[str] = "refined-plastic-hinge"
     version: ClassVar[int] = 6
-    sources: ClassVar[tuple[str, ...]] = ("liew1993", "heng2017")
     stretches: ClassVar[bool] = False
     in_cycles: ClassVar[str] = (
         "hinges soften anew in every half-cycle above half the strength, also where a section "
@@ -307,8 +303,15 @@ class RefinedPlasticHinge(BarHinges):
         "compression alone.",
         "Moments return to the surface without normal flow: in catenary action the axial force "
         "wins and moments vanish.",
-        "No shear yielding; local buckling by class alone, if asked for; strain rate by one factor.",
+        "No shear yielding; local buckling by class alone, if asked; strain rate by one factor.",
     )
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Bibliography keys of the model and of the options that are on."""
+        keys = ["liew1993", "heng2017", *(["engesser1895"] if self.modulus == "double" else [])]
+        keys += ["en1993-1-1"] if self.local_buckling or self.unbraced_length else []
+        return (*keys, *(["en1993-1-5"] if self.local_buckling else []))
 
     def parts(self, scenario: FrameScenario) -> list[int]:
         """Bars per member: stability functions hold beyond the Euler load of a pin-ended bar."""
@@ -325,24 +328,22 @@ class RefinedPlasticHinge(BarHinges):
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Also of plates that buckle."""
-        more = class_findings(as_frame(scenario).frame) if self.local_buckling else []
+        more = hinge_limits.class_findings(as_frame(scenario).frame) if self.local_buckling else []
         return super().domain(scenario) + more
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
         """Also check members against lateral-torsional buckling under the moments of the run."""
         response = super().solve(scenario)
         if self.unbraced_length:
-            moments, frame = np.abs(response["moment"].values), as_frame(scenario).frame
-            largest = moments.reshape(len(frame.members), -1).max(axis=1)
-            lateral = lateral_findings(frame, largest, self.unbraced_length, self.local_buckling)
+            frame, moments = as_frame(scenario).frame, response["moment"].values
+            lateral = hinge_limits.lateral_findings(
+                frame, moments, self.unbraced_length, self.local_buckling
+            )
             set_findings(response, [*findings_of(response), *lateral])
         return response
 
     def _end(self, frame: Frame, piece: Piece, side: int) -> PlasticEnd:
-        end, whole = super()._end(frame, piece, side), frame.properties(piece.member)
-        if not self.local_buckling:
-            return end
-        axial, moment = strength_shares(frame, piece.member)
-        compression = min(end.axial[1], axial * whole.squash_load)
-        first, last = (min(each, moment * whole.plastic_moment) for each in end.moments)
-        return replace(end, axial=(end.axial[0], compression), moments=(first, last))
+        end = super()._end(frame, piece, side)
+        if self.local_buckling:
+            return hinge_limits.buckled_end(end, frame, piece.member)
+        return end

@@ -7,6 +7,7 @@ Bending is about the strong axis, partial factors are 1.
 from math import pi, sqrt
 from typing import NamedTuple
 
+from workbench.errors import OutOfDomainError
 from workbench.materials import Steel
 from workbench.sections.section import Section
 from workbench.sections.shapes import CircularTube, ISection, Rectangle
@@ -97,12 +98,11 @@ def shares_by_class(section: Section, strength: Section, steel: Steel) -> tuple[
 
     All up to class 2, the elastic moment in class 3, effective widths in class 4 (EN 1993-1-5, 4.3
     (3) and (4), each force by itself). Arguments: the `section`, whose flat widths count; the one
-    that the `strength` is that of; steel. Circular tubes of class 4 have no effective widths:
-    raises ValueError.
+    that the `strength` is that of; steel. Raises `OutOfDomainError` for circular tubes of class 4.
     """
     classes = plate_classes(section, steel)
     if max(classes) == 4 and isinstance(section.shape, CircularTube):
-        raise ValueError("effective widths of a circular tube")
+        raise OutOfDomainError(f"{section.name} is of class 4, round, without effective widths")
     area, modulus = strength.area, strength.plastic_section_modulus
     if classes.bent == 3:
         modulus = strength.elastic_section_modulus

@@ -1,12 +1,15 @@
-"""Where hinges at the ends of members stop applying: catenary action, wear, slender plates."""
+"""What limits hinges at the ends of members: catenary action, wear, plates that buckle."""
 
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from workbench.arrays import Array
 from workbench.frames.elastic import dead_load_state
 from workbench.frames.members import named, shear_demand
 from workbench.responses import Finding, finding
-from workbench.scenarios import Frame, FrameImpact, Member
+from workbench.scenarios import Frame, FrameImpact, FrameScenario, Member
 from workbench.sections import CircularTube, ISection
 from workbench.sections.slenderness import (
     TESTED,
@@ -15,7 +18,9 @@ from workbench.sections.slenderness import (
     shares_by_class,
     tested_ratios,
 )
+from workbench.structures.bars import PlasticEnd
 
+CATENARY = 0.5  # Mp / Npl, from where hinges are drawn out
 AXIAL_SHARE = 0.15  # of the squash load; EN 1993-1-1, 6.2.9.1: an I section then loses some moment
 
 
@@ -50,11 +55,19 @@ def axial_findings(frame: Frame, effect: str) -> list[Finding]:
     return [finding("interaction", shares[worst], effect=effect, **values)]
 
 
-def capacity_findings(frame: Frame) -> list[Finding]:
-    """Refusal of members whose rotation capacity no test tells, warning of those outside tests."""
+def wear_findings(event: FrameScenario, known: bool) -> list[Finding]:
+    """Of hinges that wear: hits that draw them out; unless it is `known`, their capacity.
+
+    Refusal of members whose rotation capacity no test tells, warning of those outside tests.
+    """
+    findings, frame = [], event.frame
+    if isinstance(event, FrameImpact) and (reach := catenary_reach(event)) > CATENARY:
+        findings.append(finding("wear-in-catenary", reach, reach=reach))
+    if known:
+        return findings
     unknown = [m.name for m in frame.members if not isinstance(m.section.shape, ISection)]
     if unknown:
-        return [finding("wear-unknown", members=named(unknown))]
+        return [*findings, finding("wear-unknown", members=named(unknown))]
     outside = {
         f"{name} = {value:.3g} ({low:g} to {high:g})": member.name
         for member in frame.members
@@ -63,10 +76,10 @@ def capacity_findings(frame: Frame) -> list[Finding]:
         )
         if not low <= value <= high
     }
-    if not outside:
-        return []
-    members = named(list(dict.fromkeys(outside.values())))
-    return [finding("wear-range", members=members, ratios=", ".join(outside))]
+    if outside:
+        members = named(list(dict.fromkeys(outside.values())))
+        findings.append(finding("wear-range", members=members, ratios=", ".join(outside)))
+    return findings
 
 
 def class_findings(frame: Frame) -> list[Finding]:
@@ -89,14 +102,23 @@ def strength_shares(frame: Frame, member: Member) -> tuple[float, float]:
     return shares_by_class(member.section, frame.strength_section(member), frame.steel)
 
 
+def buckled_end(end: PlasticEnd, frame: Frame, member: Member) -> PlasticEnd:
+    """The end of a member, with no more strength than its plates leave."""
+    (axial, moment), whole = strength_shares(frame, member), frame.properties(member)
+    compression = min(end.axial[1], axial * whole.squash_load)
+    first, last = (min(each, moment * whole.plastic_moment) for each in end.moments)
+    return replace(end, axial=(end.axial[0], compression), moments=(first, last))
+
+
 def lateral_findings(frame: Frame, moments: Array, length: float, by_class: bool) -> list[Finding]:
     """The I section worst off in lateral-torsional buckling.
 
-    Arguments: largest `moments` (members,) of a run in N m; `length` in m between lateral
-    restraints; whether the moment that resists is that `by_class`.
+    Arguments: `moments` (hinges, steps) of a run in N m; `length` in m between lateral restraints;
+    whether the moment that resists is that `by_class`.
     """
     worst: dict[str, Any] = {}
-    for member, moment in zip(frame.members, moments, strict=True):
+    largest = np.abs(moments).reshape(len(frame.members), -1).max(axis=1)
+    for member, moment in zip(frame.members, largest, strict=True):
         if not isinstance(member.section.shape, ISection):
             continue
         resists = frame.properties(member).plastic_moment
