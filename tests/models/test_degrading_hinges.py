@@ -13,7 +13,7 @@ from test_hinged_frames import HEB, cantilever
 from workbench.errors import InputError
 from workbench.models.hinged_frames import PlasticHinge, QuasiPlasticHinge
 from workbench.responses import findings_of
-from workbench.scenarios import FrameImpact, FrameStriker, regular_frame
+from workbench.scenarios import FrameImpact, FrameStatic, FrameStriker, Load, regular_frame
 from workbench.sections import find, square
 
 pytestmark = pytest.mark.usefixtures("few_load_steps")
@@ -121,6 +121,11 @@ def test_where_wear_is_not_known() -> None:
         f for f in by_tests.domain(cantilever(4.0, 0.0, 0.1)) if f.subject == "degradation"
     )
     assert "h/t_w = 16 (20 to 55)" in refused.text
+    two = regular_frame((5.0,), (4.0,), HEB, find("IPE 300"))
+    push = FrameStatic("push", two, (Load("A1", x=1e3),), "A1", "x", (0.1,))
+    (warned,) = by_tests.domain(push)
+    assert warned.text.count("h/t_w") == 1
+    assert "members A0-A1, B0-B1" in warned.text
     for options in ({"rotation_capacity": 0.5}, {"degradation": "drift"}):
         with pytest.raises(InputError, match=next(iter(options))):
             PlasticHinge(**options)

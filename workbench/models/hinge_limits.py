@@ -68,17 +68,17 @@ def wear_findings(event: FrameScenario, known: bool) -> list[Finding]:
     unknown = [m.name for m in frame.members if not isinstance(m.section.shape, ISection)]
     if unknown:
         return [*findings, finding("wear-unknown", members=named(unknown))]
-    outside = {
-        f"{name} = {value:.3g} ({low:g} to {high:g})": member.name
+    outside = [
+        (member.name, f"{name} = {value:.3g} ({low:g} to {high:g})")
         for member in frame.members
         for (name, value), (low, high) in zip(
             tested_ratios(member.section, frame.steel).items(), TESTED.values(), strict=True
         )
         if not low <= value <= high
-    }
+    ]
     if outside:
-        members = named(list(dict.fromkeys(outside.values())))
-        findings.append(finding("wear-range", members=members, ratios=", ".join(outside)))
+        names, ratios = (list(dict.fromkeys(each)) for each in zip(*outside, strict=True))
+        findings.append(finding("wear-range", members=named(names), ratios=", ".join(ratios)))
     return findings
 
 
