@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from workbench.cli import run
+from workbench.scenarios import Pulse
 from workbench.studs.schema import TEMPLATES
 
 
@@ -53,3 +54,25 @@ def test_a_vehicle_is_printed_as_a_striker(capsys: pytest.CaptureFixture[str]) -
     assert striker["velocity"] == pytest.approx((13.8889**2 - 6.0 * 3.0 / 0.173648) ** 0.5, 1e-5)
     assert run(["new", "striker", "urban", "--distance", "6"]) == 2
     assert "distance = 6.0: must be below 5.583 m" in capsys.readouterr().err
+
+
+def test_a_missile_is_printed_as_a_pulse(capsys: pytest.CaptureFixture[str], tmp_path) -> None:
+    file = tmp_path / "missile.csv"
+    file.write_text("station_m,mass_kg_per_m,crushing_force_N\n0,100,1e5\n10,300,5e5\n")
+    assert run(["new", "missile", str(file), "--velocity", "50"]) == 0
+    table = tomllib.loads(capsys.readouterr().out)["pulse"]
+    assert table.pop("load") == "point"
+    assert Pulse(**table).whole == pytest.approx(2000.0 * 50.0, rel=1e-9)
+    assert run(["new", "missile", str(tmp_path / "none.csv"), "--velocity", "50"]) == 2
+    assert "missile = " in capsys.readouterr().err
+    assert run(["new", "missile", str(file), "--velocity", "0"]) == 2
+    assert "velocity = 0.0: must be a number above 0" in capsys.readouterr().err
+
+
+def test_the_ground_near_a_fault_is_printed_as_a_motion(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["new", "near-fault", "--amplitude", "1.0", "--frequency", "0.5"]) == 0
+    ground = tomllib.loads(capsys.readouterr().out)["ground"]
+    assert len(ground["acceleration"]) == 401
+    assert ground["time_step"] == pytest.approx(0.01)
+    assert run(["new", "near-fault", "--amplitude", "1.0", "--frequency", "0"]) == 2
+    assert "frequency = 0.0: must be a number from 0.01" in capsys.readouterr().err

@@ -24,7 +24,7 @@ from workbench.models.superelements import FlexibleSuperelement, RigidSupereleme
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_shear import FiberShear
 from workbench.responses import Finding, Outcome, energy_error, outcome_of, warnings_of
-from workbench.scenarios import Column, MemberPulse, Pulse, frame_scenario
+from workbench.scenarios import Column, ColumnImpact, MemberPulse, Pulse, Striker, frame_scenario
 from workbench.sections import find
 
 MASS, STIFFNESS, STRENGTH = 200.0, 5e7, 5e5
@@ -70,6 +70,57 @@ def test_a_ramp_in_closed_form(column) -> None:
         exact = 1.0 + abs(sin(0.5 * length)) / (0.5 * length)
         found = peak(column, pulse, (length + 7.0) / OMEGA) * STIFFNESS / pulse.peak
         assert found == pytest.approx(exact, rel=1e-3)
+
+
+@pytest.mark.parametrize("ratio", [0.02, 0.2, 0.7])
+def test_radiation_damping_in_closed_form(column, ratio) -> None:
+    """An elastic mass on a dashpot under a load that stays; the ledger holds what is radiated."""
+    damping, load = 2.0 * ratio * MASS * OMEGA, 0.3 * STRENGTH
+    pulse = Pulse("rectangular", load, 1.0)
+    damped = bilinear(column)._replace(damping=damping)
+    time, values = push(damped, column, pulse, 12.0 / OMEGA)
+    root = sqrt(1.0 - ratio**2)
+    turn = root * OMEGA * time
+    left = np.exp(-ratio * OMEGA * time) * (np.cos(turn) + ratio / root * np.sin(turn))
+    off = values["displacement"] * STIFFNESS / load - (1.0 - left)
+    assert np.abs(off).max() < 3e-3  # measured 2e-3: 64 steps a period
+    sum_ = values["kinetic"] + values["elastic"] + values["dissipated"]
+    np.testing.assert_allclose(sum_, values["external_work"], atol=1e-12 * values["input_energy"])
+
+
+def test_a_dashpot_is_what_an_endless_bar_is_to_a_mass(column) -> None:
+    """Waves leave along a bar of impedance Z = rho c A: leapfrog at its limit is exact on it."""
+    impedance, load = 0.5 * MASS * OMEGA, 0.9 * STRENGTH
+    damped = bilinear(column)._replace(damping=impedance)
+    pulse, until = Pulse("triangular", load, 3.0 / OMEGA), 12.0 / OMEGA
+    values = push(damped, column, pulse, until)[1]
+    parts = 2400
+    h = until / parts  # of time, in which a wave passes one piece of the bar: stiffness Z / h
+    mass = np.full(parts, impedance * h)
+    mass[0] = MASS + 0.5 * impedance * h
+    u, before = np.zeros((2, parts))
+    highest = 0.0
+    for n in range(parts):
+        stretch = np.diff(u, append=0.0) * impedance / h
+        force = stretch - np.append(0.0, stretch[:-1])
+        force[0] += float(pulse.force(n * h)) - STIFFNESS * u[0]
+        u, before = 2.0 * u - before + h * h / mass * force * (0.5 if n == 0 else 1.0), u
+        highest = max(highest, float(u[0]))
+    assert highest * STIFFNESS < STRENGTH
+    assert values["displacement"].max() == pytest.approx(highest, rel=2e-3)
+    assert peak(column, pulse, until) > 1.3 * highest
+
+
+def test_radiation_damping_is_of_pulses_and_slows_every_one_mass_model(column) -> None:
+    pulse = MemberPulse("pulse", column, Pulse("triangular", 2e5, 0.02), "uniform", 0.06)
+    for kind in (SingleDof, Biggs, YinWang):
+        free, damped = (kind(radiation_damping=c).simulate(pulse) for c in (0.0, 1e4))
+        assert outcome_of(damped) is Outcome.OK
+        assert damped["displacement"].max() < 0.95 * free["displacement"].max()
+    hit = ColumnImpact("hit", column, Striker(500.0, 5.0))
+    refused = SingleDof(radiation_damping=1e4).simulate(hit)
+    assert outcome_of(refused) is Outcome.OUT_OF_DOMAIN
+    assert "acts under pulses alone" in refused.attrs["message"]
 
 
 @pytest.mark.parametrize("share", [0.55, 0.75, 0.9])
@@ -131,7 +182,7 @@ def test_masses_of_stages_change_on_either_swing(column) -> None:
     means, step, swings = np.full(300, 1.5 * STRENGTH), 2e-4 / OMEGA**0.5, []
     drive = march.no_striker(curve.elastic_limit, np.inf, MASS)
     for sign in (1.0, -1.0):
-        tables, pace = (curve.pieces, stages, sign * means), Pace.equal(300 * step, step, 300)
+        tables, pace = (curve.pieces, stages, sign * means, 0.0), Pace.equal(300 * step, step, 300)
         run = follow(march.pulse, tables, pace, drive, march.RECORD)
         swings.append(sign * run.records["velocity"])
     assert np.abs(swings[0]).max() > 1.0

@@ -3,7 +3,7 @@
 import dataclasses
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -240,6 +240,48 @@ def striker(
         f"[striker]\nmass = {made.mass!r}\nvelocity = {made.velocity:.9g}\n"
     )
     return _printed(text, as_json)
+
+
+@templates.command("missile")
+@verb
+def missile(
+    file: Path = typer.Argument(metavar="FILE", help="station_m,mass_kg_per_m,crushing_force_N"),
+    velocity: float = option("At which it hits, m/s.", ..., "V"),
+    as_json: Json = False,
+) -> Answer:
+    """The force of a missile that crushes at a rigid wall (Riera), as the table [pulse]."""
+    from workbench.datafiles import open_input
+    from workbench.scenarios.load_histories import missile_of, missile_pulse
+
+    with open_input(file, "missile") as stream:
+        pulse = missile_pulse(missile_of(stream.read(), str(file)), velocity)
+    text = (
+        f"# {file.name} at {velocity:g} m/s: {pulse.whole:.6g} N s in {pulse.end:.4g} s\n"
+        f'[pulse]\nshape = "table"\npeak = {pulse.peak:.9g}\nload = "point"\n'
+        f"times = {_listed(pulse.times or ())}\nfactors = {_listed(pulse.factors or ())}\n"
+    )
+    return _printed(text, as_json)
+
+
+@templates.command("near-fault")
+@verb
+def near_fault(
+    amplitude: float = option("Of the velocity, m/s.", ..., "A"),
+    frequency: float = option("Of the wave, Hz.", ..., "F"),
+    cycles: float = option("Periods of the wave in the pulse.", 2.0, "GAMMA"),
+    phase: float = option("Of the wave, degrees.", 90.0, "NU"),
+    as_json: Json = False,
+) -> Answer:
+    """The ground near a fault (Mavroeidis and Papageorgiou), as the table [ground] of a frame."""
+    from workbench.scenarios.load_histories import near_fault_motion
+
+    step, acceleration = near_fault_motion(amplitude, frequency, cycles, phase)
+    text = f"[ground]\ntime_step = {step!r}\nacceleration = {_listed(acceleration)}\n"
+    return _printed(text, as_json)
+
+
+def _listed(numbers: Iterable[float]) -> str:
+    return "[" + ", ".join(f"{number:.12g}" for number in numbers) + "]"
 
 
 @templates.command("studs")

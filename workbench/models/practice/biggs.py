@@ -87,7 +87,8 @@ class Biggs(SingleDof):
         carried = [min(1.0, m0 / m1) for m0, m1 in zip((masses[0], *masses), masses, strict=False)]
         moved = zip((stage.start for stage in stages), masses, carried, strict=True)
         return Pushed(
-            self.curve(column, uniform), tuple(moved), share * scenario.whole, not uniform
+            *(self.curve(column, uniform), tuple(moved), share * scenario.whole, not uniform),
+            self.radiation_damping,
         )
 
     def _solve(self, scenario: ColumnScenario) -> Response:

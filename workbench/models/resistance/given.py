@@ -4,7 +4,6 @@ Crawford et al., Lee et al. and Yu and Guo move one mass on such curves (Heng 20
 Between its points the curve is straight and may soften; behind its last one nothing is known.
 """
 
-import csv
 import hashlib
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.datafiles import open_input
+from workbench.datafiles import open_input, read_points
 from workbench.errors import InputError
 from workbench.fields import Choice, Number
 from workbench.models.base import Answering
@@ -27,10 +26,9 @@ from workbench.models.strain_rate import rate_factor
 from workbench.scenarios import ColumnImpact, ColumnScenario
 
 GIVEN = "given"  # shape of such a curve
-COLUMNS = ("displacement_m", "force_N")
-_RULES = Number(0.0, 1e3, "m"), Number(0.0, 1e12, "N")
+_COLUMNS = {"displacement_m": Number(0.0, 1e3, "m"), "force_N": Number(0.0, 1e12, "N")}
 _FIELD, _SUFFIX = "option.resistance", ".csv"
-_LARGEST, _FEWEST, _MOST = 1_000_000, 3, 10_000  # bytes; points
+_LARGEST = 1_000_000  # bytes
 RATE_FACTOR = Number(1.0, 10.0)
 NOTHING = "", 1.0  # digest of the points and rate factor of a curve that is derived
 _STRAIGHT = 1e-3  # share of the force by which the curve leaves its first slope: yielding
@@ -113,41 +111,14 @@ def points(data: bytes, name: str) -> Array:
 
     Raises `InputError` with the `name` of the file and the line.
     """
-    try:
-        lines = list(csv.reader(data.decode("utf-8-sig").splitlines(), strict=True))
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(_FIELD, name, f"is no CSV text: {error}") from error
-    rows = [(n, row) for n, row in enumerate(lines, 1) if row]
-    if not rows or tuple(cell.strip() for cell in rows[0][1]) != COLUMNS:
-        raise InputError(_FIELD, name, f"must begin with the line {','.join(COLUMNS)}")
-    if not _FEWEST <= len(rows) - 1 <= _MOST:
-        text = f"must have {_FEWEST} to {_MOST} points, not {len(rows) - 1}"
-        raise InputError(_FIELD, name, text)
-    table = np.array([_numbers(f"{name}, line {n}", row) for n, row in rows[1:]])
+    table, lines = read_points(data, name, _FIELD, _COLUMNS)
     if table[0].any():
-        raise InputError(f"{name}, line {rows[1][0]}", rows[1][1], "must be the point 0,0")
-    falls = np.flatnonzero(np.diff(table[:, 0]) <= 0.0)
-    if len(falls):
-        n, row = rows[falls[0] + 2]
-        text = "must be larger than that of the point before"
-        raise InputError(f"{name}, line {n}, {COLUMNS[0]}", float(row[0]), text)
+        text = "must be the point 0,0"
+        raise InputError(f"{name}, line {lines[0]}", table[0].tolist(), text)
     if table[1, 1] <= 0.0:
-        n, row = rows[2]
         text = "must be above 0: the curve begins with its elastic stiffness"
-        raise InputError(f"{name}, line {n}, {COLUMNS[1]}", float(row[1]), text)
+        raise InputError(f"{name}, line {lines[1]}, force_N", float(table[1, 1]), text)
     return table
-
-
-def _numbers(place: str, row: list[str]) -> list[float]:
-    try:
-        pair = [float(cell) for cell in row]
-    except ValueError:
-        pair = []
-    if len(pair) != len(COLUMNS):
-        advice = "decimals have a point, columns a comma"
-        raise InputError(place, ",".join(row), "must be two numbers", advice)
-    held = zip(COLUMNS, _RULES, pair, strict=True)
-    return [rule.check(f"{place}, {column}", value) for column, rule, value in held]
 
 
 def given_curve(mechanism: Mechanism, shape: str, factor: float = 1.0) -> ResistanceCurve:

@@ -3,7 +3,7 @@
 Three entries: `impact` with energy-conserving midpoint steps, as long as the error allows or equal;
 `explicit_impact` with Moreau's steps; `pulse`, without a striker under a force over time,
 
-    M(v) v'' + R(v) = F(t),
+    M(v) v'' + c v' + R(v) = F(t),
 
 whose mass belongs to a shape of deflection that changes once the spring has come to the next stage
 (Biggs), and the velocity by a factor that the stage brings; the kinetic energy that this leaves is
@@ -57,7 +57,7 @@ class OneMass(NamedTuple):
 class PushedMass(NamedTuple):
     """As `OneMass`; mean forces (N) of the steps, their length (s).
 
-    And stages (n, 3) of displacement (m), mass (kg) and factor on the velocity.
+    And stages (n, 3) of displacement (m), mass (kg) and factor on the velocity, `damping` in N s/m.
     """
 
     states: Any
@@ -66,6 +66,7 @@ class PushedMass(NamedTuple):
     means: Any
     length: float
     stages: Any
+    damping: float
 
 
 @uncounted
@@ -223,18 +224,20 @@ def solve_pushed(s, dt, closed, touch, striker):
     """The step of the mass under the pulse."""
     now = s.states[0]
     now.push = s.means[min(int(now.time / s.length + 1e-6), s.means.size - 1)]
-    spring, impulse = spring_of(now), -dt * now.push
-    w1, residual = solve_midpoint(dt, now.w, now.mass, impulse, spring, s.pieces)
+    spring, impulse = spring_of(now), dt * (s.damping * now.w - now.push)
+    damped = now.mass + 0.5 * dt * s.damping  # the dashpot feels the mean velocity
+    w1, residual = solve_midpoint(dt, now.w, damped, impulse, spring, s.pieces)
     s.states[1].w = w1
     return residual <= 1e-9, w1, residual, 1
 
 
 @uncounted
 def accept_pushed(s, dt):
-    """Move the spring; the work of the pulse; what the next stage changes."""
+    """Move the spring; the work of pulse and dashpot; what the next stage changes."""
     now, before = s.states[0], s.states[0].v
     accept(s, dt)
     now.time += dt
+    now.dissipated += s.damping * (now.v - before) ** 2 / dt
     now.work += now.push * (now.v - before)
     while now.stage + 1 < s.stages.shape[0] and abs(now.v) >= s.stages[now.stage + 1, 0]:
         now.stage += 1
@@ -286,12 +289,13 @@ def no_striker(elastic_limit: float, limit: float, mass: float) -> tuple[float, 
 
 
 @njit(cache=True, error_model="numpy")
-def pulse(pieces, stages, means, drive, progress, records):
+def pulse(pieces, stages, means, damping, drive, progress, records):
     """Follow a pulse in equal steps: (status, rows), as `impact`.
 
     Arguments: `stages` (n, 3), displacement (m) from which on a mass (kg) moves and the factor on
-    the velocity there, the first from 0 on; `means` (steps,) of the force.
+    the velocity there, the first from 0 on; `means` (steps,) of the force; `damping` in N s/m.
     """
     pace = begin(drive, progress[0])
-    s = PushedMass(at_rest(drive, pieces), pieces, drive[DRIVE + 1], means, pace.longest, stages)
+    states, limit = at_rest(drive, pieces), drive[DRIVE + 1]
+    s = PushedMass(states, pieces, limit, means, pace.longest, stages, damping)
     return _pushed(s, pace, progress[0], records)

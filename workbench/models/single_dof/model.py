@@ -80,7 +80,8 @@ class SingleDof(OnCurve):
     period);
     `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6; None: as in
     `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`; `rate_factor`: of strain rate on the
-    strength of a curve that is given (None: that of the steel's rate law in an impact).
+    strength of a curve that is given (None: that of the steel's rate law in an impact);
+    `radiation_damping`, c in N s/m of a dashpot at the mass, of waves that leave (pulses alone).
     """
 
     resistance: str = checked(Resistance(SHAPES), "analytic")
@@ -90,6 +91,7 @@ class SingleDof(OnCurve):
     interaction: str = checked(Choice(INTERACTIONS), SECTION)
     hit_mass: str = checked(HIT_MASS, THESIS)
     rate_factor: float | None = checked(RATE_FACTOR, optional=True)
+    radiation_damping: float = checked(Number(0.0, 1e12, "N s/m"), 0.0)
 
     name: ClassVar[str] = "single-dof"
     version: ClassVar[int] = 10
@@ -138,13 +140,16 @@ class SingleDof(OnCurve):
         column, uniform = scenario.column, scenario.load == UNIFORM
         share, curve = 0.5 if uniform else 1.0, self.curve(column, uniform)
         stages = moved_masses(column, uniform, curve.elastic_limit)
-        return Pushed(curve, stages, share * scenario.whole, not uniform)
+        whole = share * scenario.whole
+        return Pushed(curve, stages, whole, not uniform, self.radiation_damping)
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and those of the rigid-bar mechanism and the scheme."""
         findings = columns.curve_findings(scenario, self.resistance)
         if isinstance(scenario, ColumnImpact) and self.time_step is not None:
             findings += self._step_findings(scenario, self.time_step)
+        if self.radiation_damping > 0.0 and not isinstance(scenario, MemberPulse):
+            findings.append(finding("damping-of-pulses", self.radiation_damping))
         law = isinstance(scenario, MemberPulse) and scenario.column.steel.rate
         if law and self.material and self.rate_factor is None:
             findings.append(finding("strain-rate", kind=scenario.KIND))

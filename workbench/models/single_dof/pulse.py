@@ -26,13 +26,14 @@ class Pushed(NamedTuple):
 
     `stages`: displacement (m) from which on a mass (kg) moves, the first from 0 on, and the
     velocity that it begins with over that before; whether force and resistance are those `at_hit`,
-    at the hit point, so that energies are those of the member.
+    at the hit point, so that energies are those of the member; `damping` of the mass in N s/m.
     """
 
     curve: ResistanceCurve
     stages: tuple[tuple[float, float, float], ...]
     share: float
     at_hit: bool
+    damping: float = 0.0
 
 
 @lru_cache(maxsize=256)
@@ -68,7 +69,8 @@ def push(
     steps = min(int(np.ceil(duration / longest)), _MOST_STEPS)
     step = duration / steps
     time = np.linspace(0.0, duration, steps + 1)
-    tables = curve.pieces, np.array(pushed.stages), pushed.share * pulse.means(time)
+    means = pushed.share * pulse.means(time)
+    tables = curve.pieces, np.array(pushed.stages), means, pushed.damping
     limit = columns.limit_of(curve, column)
     drive = march.no_striker(curve.elastic_limit, limit, pushed.stages[0][1])
     run = follow(march.pulse, tables, Pace.equal(duration, step, steps), drive, march.RECORD)
