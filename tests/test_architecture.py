@@ -12,7 +12,16 @@ import workbench
 
 ROOT = Path(workbench.__file__).parent
 FLOORS = (
-    *("arrays", "errors", "fields", "datafiles", "compiled", "materials", "sections"),
+    *(
+        "arrays",
+        "errors",
+        "fields",
+        "datafiles",
+        "point_tables",
+        "compiled",
+        "materials",
+        "sections",
+    ),
     *(
         "hinges",
         "scenarios",

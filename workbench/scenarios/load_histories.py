@@ -6,9 +6,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from workbench.arrays import Array
-from workbench.datafiles import read_points
 from workbench.errors import InputError
 from workbench.fields import Number
+from workbench.point_tables import read_points
 from workbench.scenarios.pulse import TABLE, Pulse
 
 MISSILE = {

@@ -58,7 +58,7 @@ def ductility(shape: str, length: float, strength: float) -> float:
     limit = 1.0 / _STIFFNESS
     pieces["start"][1], pieces["c"][0, 1], pieces["c"][1, 0] = limit, _STIFFNESS, 1.0
     sum_up(pieces)
-    tables = pieces, np.array([[0.0, 1.0, 1.0]]), pulse.means(time)
+    tables = pieces, np.array([[0.0, 1.0, 1.0]]), pulse.means(time), 0.0
     pace, drive = Pace.equal(duration, time[1], count), march.no_striker(limit, _FAR, 1.0)
     moved = follow(march.pulse, tables, pace, drive, march.RECORD).records
     top = float(moved["displacement"][:-1].max())

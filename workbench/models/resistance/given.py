@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.datafiles import open_input, read_points
+from workbench.datafiles import open_input
 from workbench.errors import InputError
 from workbench.fields import Choice, Number
 from workbench.models.base import Answering
@@ -23,6 +23,7 @@ from workbench.models.resistance.curve import (
     straight_pieces,
 )
 from workbench.models.strain_rate import rate_factor
+from workbench.point_tables import read_points
 from workbench.scenarios import ColumnImpact, ColumnScenario
 
 GIVEN = "given"  # shape of such a curve
