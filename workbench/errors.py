@@ -74,11 +74,13 @@ class Mechanism(StrEnum):
 
     Geometry: chords have left their supports, and displacements grow without end. Squash: axial
     compression has used up the strength. Buckling: its axial force has used up the resistance.
+    Shear: an end has slid off its support.
     """
 
     GEOMETRY = "geometry"
     SQUASH = "squash"
     BUCKLING = "buckling"
+    SHEAR = "shear"
 
 
 class Collapse(NamedTuple):

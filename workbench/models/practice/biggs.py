@@ -10,13 +10,15 @@ from workbench.arrays import Array
 from workbench.fields import checked
 from workbench.models.energy_estimate import energy_to_absorb
 from workbench.models.practice.deflected_shape import Stage, beam_of
+from workbench.models.practice.direct_shear import DIRECT_SHEAR, NONE, slips
 from workbench.models.practice.hand_estimate import AXIAL, SECTION, plastic_moment
 from workbench.models.resistance import ResistanceCurve, mechanism_of
 from workbench.models.resistance import curve as events
+from workbench.models.resistance.given import digest
 from workbench.models.resistance.kernels import PIECE
 from workbench.models.single_dof import SingleDof
 from workbench.models.single_dof.pulse import Pushed, pulse_response
-from workbench.responses import Response
+from workbench.responses import Finding, Response, finding, findings_of, set_findings
 from workbench.scenarios import Column, ColumnImpact, ColumnScenario, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
 
@@ -28,10 +30,12 @@ class Biggs(SingleDof):
     """Equivalent mass and resistance of every stage, by integrating the deflected shape.
 
     Options: `axial`, how the axial load lowers the plastic moment: none, linear (M_p (1 - n)) or
-    section (exact plastic envelope); `integrator`, `time_step` as in `single-dof`.
+    section (exact plastic envelope); `integrator`, `time_step` as in `single-dof`; `direct_shear`:
+    none, or the resistance to the slip of either end under a line load, web or NAME.csv (points).
     """
 
     axial: str = checked(AXIAL, SECTION)
+    direct_shear: str = checked(DIRECT_SHEAR, NONE)
     resistance: ClassVar[str] = "stages"  # type: ignore[misc]
     rotational_stiffness: ClassVar[None] = None  # type: ignore[misc]
     rate_factor: ClassVar[None] = None  # type: ignore[misc]
@@ -51,6 +55,18 @@ class Biggs(SingleDof):
         "effect.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017", "biggs1964", "ufc3-340-02")
+
+    @property
+    def data_digest(self) -> str:
+        """Hash of the points of `direct_shear` ("": none)."""
+        return digest(self.direct_shear)
+
+    def domain(self, scenario: ColumnScenario) -> list[Finding]:
+        """Those of `single-dof`; a refusal of direct shear where nothing but a line load acts."""
+        findings = super().domain(scenario)
+        if self.direct_shear != NONE and getattr(scenario, "load", None) != UNIFORM:
+            findings.append(finding("direct-shear-of-line-loads", kind=scenario.KIND))
+        return findings
 
     def stages(self, column: Column, uniform: bool = False) -> tuple[Stage, ...]:
         """Stages under a force at the hit point, or under a `uniform` line load."""
@@ -101,7 +117,15 @@ class Biggs(SingleDof):
             moved = values["displacement"], resisted, values["load"]
             return {"reaction": dynamic_reactions(stages, scenario.load == UNIFORM, *moved)}
 
-        return pulse_response(scenario, self.pushed(scenario), known)
+        response = pulse_response(scenario, self.pushed(scenario), known)
+        if self.direct_shear != NONE:
+            time, reaction = response["time"].values, response["reaction"]
+            slip = slips(scenario.column, self.direct_shear, time, reaction.values)
+            meaning = {"units": "m", "long_name": "slip of the support behind the segment"}
+            response["direct_shear.slip"] = (reaction.dims, slip, meaning)
+            warnings = [*findings_of(response), finding("slip", 1e3 * float(slip.max()))]
+            set_findings(response, warnings)
+        return response
 
 
 def dynamic_reactions(
