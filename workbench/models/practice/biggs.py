@@ -54,7 +54,12 @@ class Biggs(SingleDof):
         "Elastic unloading with the initial stiffness; no shear, no local buckling, no strain-rate "
         "effect.",
     )
-    sources: ClassVar[tuple[str, ...]] = ("heng2017", "biggs1964", "ufc3-340-02")
+
+    @property
+    def sources(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Bibliography keys of the model, and of direct shear if asked."""
+        extra = () if self.direct_shear == NONE else ("krauthammer1986",)
+        return ("heng2017", "biggs1964", "ufc3-340-02", *extra)
 
     @property
     def data_digest(self) -> str:
