@@ -12,6 +12,7 @@ from functools import lru_cache
 from typing import Any
 
 from workbench.errors import InputError, WorkbenchError
+from workbench.evidence.at_rest import creeping
 from workbench.evidence.descriptors import DEMAND, features
 from workbench.evidence.error_model import ExpectedError, anchor_error, expected_error
 from workbench.evidence.error_table import ANCHOR, FINEST, REFERENCE, TABLES
@@ -100,6 +101,7 @@ def _advised(
     error, findings = expected(model, scenario, response), findings_of(response)
     if survives(response) is not None:
         findings = judged(model, scenario, error, findings)
+    findings = [*findings, *creeping(scenario, response)]
     return with_remedies(model, scenario, findings), error
 
 
