@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from math import inf, isfinite
+from math import inf
 
 import numpy as np
 import pytest
@@ -15,13 +15,13 @@ from workbench.evidence.error_model import (
     residual_ends,
     truth_ratio,
 )
-from workbench.evidence.error_table import ANCHOR, PULSES, TRUTH, ErrorTable, ends_of
+from workbench.evidence.error_table import ANCHOR, FRAMES, PULSES, TRUTH, ErrorTable, ends_of
 from workbench.evidence.pulses import DRAWN_SHAPES
 from workbench.registry import make_model
 from workbench.responses import build_response
 from workbench.scenarios import MemberPulse, Pulse, scenario_from
 
-BOTH = pytest.mark.parametrize("table", [PULSES], ids=lambda table: table.dataset)
+BOTH = pytest.mark.parametrize("table", [PULSES, FRAMES], ids=lambda table: table.dataset)
 FEWEST = {"pulses": 250, "frames": 100}  # rows with a truth
 
 
@@ -59,7 +59,7 @@ def answered(peak: float, name: str = "plug-in"):
 def test_rows_are_what_their_features_and_the_anchor_of_now_say(table) -> None:
     rows = judged(table)
     assert len(rows) >= FEWEST[table.dataset]
-    for _, row in rows.iloc[:: len(rows) // 4].iterrows():
+    for _, row in rows.sort_values("time.duration").iloc[::25].iloc[:4].iterrows():
         scenario = drawn(table, row)
         values = table.features(scenario)
         assert values == pytest.approx({n: row[n] for n in table.words}, rel=1e-4, abs=1e-9)
@@ -91,6 +91,8 @@ def test_residuals_of_the_truth_lie_inside_what_is_said(table) -> None:
     inside = []
     for _, row in judged(table).iterrows():
         parts = table.residuals(row)
+        if not len(parts):  # too few of them in this cell
+            continue
         part = (row["reference_residual"] - row["anchor_residual"]) / row[ANCHOR]
         if part == part:
             others = np.delete(parts, np.searchsorted(parts, part))
@@ -151,10 +153,41 @@ def test_pulses_of_shapes_that_were_not_drawn_are_not_measured(shape) -> None:
 
 
 def test_collapse_of_drawn_pulses_and_frames_is_counted() -> None:
-    for table in (PULSES,):
+    for table in (PULSES, FRAMES):
         truth, anchor = table.rows[TRUTH].to_numpy(), table.rows[ANCHOR].to_numpy()
-        known = ~np.isnan(truth) & ~np.isnan(anchor)
+        fallen = ~np.isnan(truth) & (anchor == inf)
         assert table.collapses(False) < 0.05
-        both = known & (truth == inf) & (anchor == inf)
-        assert table.collapses(True) >= (both.sum() + 1) / (known & (anchor == inf)).sum() - 0.5
-        assert isfinite(table.collapses(True))
+        both = (fallen & (truth == inf)).sum()
+        assert table.collapses(True) == pytest.approx((both + 1) / (fallen.sum() + 2))
+
+
+def framed(ratio: float):
+    """A drawn frame whose striker has about this mass over the lumped one."""
+    rows = judged(FRAMES).sort_values("time.duration")
+    near = rows["striker_over_lumped"].between(0.8 * ratio, 1.25 * ratio) & (rows["members"] < 6)
+    return drawn(FRAMES, rows[near].iloc[0])
+
+
+def test_light_strikers_on_frames_are_warned_of_and_heavy_ones_are_not(monkeypatch) -> None:
+    """By the struck column as its frame holds it; the anchor is too small under light ones."""
+    monkeypatch.setattr("workbench.evidence.error_model.anchor_peak", lambda hit: 0.1)
+    light, heavy = (expected_error(framed(ratio), answered(0.1)) for ratio in (0.4, 20.0))
+    assert light.cell == "striker over lumped mass below 0.6"
+    assert light.warns
+    assert light.expected < -0.1
+    assert not heavy.warns
+    assert -0.05 < heavy.low < heavy.high < 0.06
+
+
+def test_frames_that_were_not_drawn_are_not_measured() -> None:
+    scenario = framed(20.0)
+    frame = scenario.frame
+    nodes = tuple(replace(n, spring_x=0.0 if n.support != "free" else 1e5) for n in frame.nodes)
+    sprung = replace(scenario, frame=replace(frame, nodes=nodes))
+    assert "springs or joints that turn were not drawn" in truth_ratio(sprung).reason
+    above = max(frame.nodes, key=lambda node: node.y).name
+    corner = replace(scenario, striker=replace(scenario.striker, node=above))
+    assert "hits on columns between their ends were drawn" in truth_ratio(corner).reason
+    features = FRAMES.features(scenario)
+    reason = FRAMES.unknown(features | {"members": 40.0})
+    assert reason.startswith("not measured here: members of the frame 40, drawn were 4 to")

@@ -118,8 +118,7 @@ def model_form(error: Mapping[str, Any], quantity: str, value: float) -> Term:
         reason = f"not measured of the {quantity.replace('_', ' ')}"
     elif error.get("expected") is not None:
         off, least, most = (log1p(error[name]) for name in ("expected", "low", "high"))
-        reason = f"{error['count']} drawn columns, {error['cell']}"
+        reason = f"{error['count']} drawn scenarios, {error['cell']}"
         reason += "; close to collapse" if error["near_collapse"] else ""
-        source = f"through {error['anchor']}, study which_model"
-        return Term(MODEL_FORM, reason, source, -off, most - off, off - least)
+        return Term(MODEL_FORM, reason, f"through {error['anchor']}", -off, most - off, off - least)
     return Term(MODEL_FORM, reason, "", 0.0, None, None)

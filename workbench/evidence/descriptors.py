@@ -4,9 +4,11 @@ import dataclasses
 from functools import lru_cache
 from typing import Any
 
+from workbench.errors import OutOfDomainError
+from workbench.frames.column_estimate import column_like
 from workbench.models.domain import shear_demand
 from workbench.models.hit_mass import elastic_energy, front_velocity
-from workbench.scenarios import ColumnImpact
+from workbench.scenarios import ColumnImpact, FrameImpact
 
 DEMAND, YIELDING, STRIKER = "shear_demand", "energy_over_elastic", "striker_over_lumped"
 FEATURES = {  # of the error model, and their words
@@ -19,6 +21,7 @@ FEATURES = {  # of the error model, and their words
     "front": "velocity over the one from which shear waves yield the webs",
     "shorter_over_length": "shorter segment over the length",
 }
+FRAME_FEATURES = FEATURES | {"members": "members of the frame"}
 _NO_NUMBERS = ("levels",)  # options that leave the answer as it is
 
 
@@ -52,6 +55,19 @@ def features(scenario: ColumnImpact) -> dict[str, float]:
         "front": striker.velocity / front_velocity(scenario),
         "shorter_over_length": min(below, above) / column.length,
     }
+
+
+def frame_features(scenario: FrameImpact) -> dict[str, float]:
+    """Those of the struck column as its frame holds it, and the `members`, by `FRAME_FEATURES`.
+
+    Raises `OutOfDomainError` for what was not drawn: hits on no column, joints that turn, springs.
+    """
+    column, frame = column_like(scenario), scenario.frame
+    if frame.joints or any(n.spring_x or n.spring_y or n.spring_rotation for n in frame.nodes):
+        raise OutOfDomainError("frames with springs or joints that turn were not drawn")
+    if column is None:
+        raise OutOfDomainError("hits on columns between their ends were drawn")
+    return {**features(column), "members": float(len(frame.members))}
 
 
 @lru_cache(maxsize=256)

@@ -20,6 +20,7 @@ from workbench.arrays import Array
 from workbench.errors import OutOfDomainError
 from workbench.evidence.error_table import ANCHOR, FINEST, TABLES, ends_of
 from workbench.models.base import options_of
+from workbench.models.strain_rate import steel_of
 from workbench.registry import make_model
 from workbench.responses import Response, survives
 from workbench.scenarios import MemberPulse
@@ -97,8 +98,9 @@ def expected_error(scenario: Any, response: Response) -> ExpectedError:
 def anchor_error(scenario: Any) -> ExpectedError:
     """The error to expect of the anchor itself, as `expected_error`."""
     table = TABLES.get(scenario.KIND)
-    peak = nan if table is None else anchor_peak(scenario)
-    return _error(scenario, table.anchor if table else ANCHOR, peak, peak)
+    peak = nan if table is None or truth_ratio(scenario).reason else anchor_peak(scenario)
+    error = _error(scenario, table.anchor if table else ANCHOR, peak, peak)
+    return replace(error, residual=residual_ends(scenario))
 
 
 def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> ExpectedError:
@@ -106,15 +108,15 @@ def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> Exp
     table = TABLES.get(scenario.KIND)
     if table is None:
         return ExpectedError(ANCHOR, reason=f"errors of {scenario.KIND} were not measured")
+    ratio = truth_ratio(scenario)
+    known = ExpectedError(table.anchor, reason=ratio.reason)
+    if ratio.reason:
+        return known
     anchor = anchor_peak(scenario) if anchor is None else anchor
     if isnan(answer) or isnan(anchor):
         whose = "the answer" if isnan(answer) else "the anchor"
-        return ExpectedError(table.anchor, reason=f"{whose} has no peak displacement")
-    ratio = truth_ratio(scenario)
-    count = len(ratio.values)
-    known = ExpectedError(table.anchor, cell=ratio.cell, count=count, reason=ratio.reason)
-    if ratio.reason:
-        return known
+        return replace(known, reason=f"{whose} has no peak displacement")
+    known = replace(known, cell=ratio.cell, count=len(ratio.values))
     fallen = table.collapses(isinf(anchor))
     near = not isinf(anchor) and anchor_peak(_faster(scenario)) > (1.0 + table.grows) * anchor
     known = replace(known, collapse=fallen, near_collapse=near)
@@ -145,8 +147,8 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     Of a kind in `TABLES`; with what the finest reference says of the reference.
     """
     table = TABLES[scenario.KIND]
-    steel = scenario.column.steel
-    if steel.rate is not None or steel.hardening_modulus is not None:
+    steel = steel_of(scenario)
+    if steel is not None and (steel.rate or steel.hardening_modulus) is not None:
         reason = "errors were measured without strain rate and hardening"
         return TruthRatio(np.empty(0), reason=reason)
     try:
@@ -185,7 +187,7 @@ def _anchor(scenario: Any) -> tuple[float, float]:
     return _numbers(make_model(TABLES[scenario.KIND].anchor).simulate(scenario))
 
 
-def residual_ends(scenario: Any, response: Response) -> tuple[float, float] | None:
+def residual_ends(scenario: Any, response: Response | None = None) -> tuple[float, float] | None:
     """Ends (m) of 90 % for the true residual displacement; None where that is not known.
 
     The difference to that of the anchor was measured in parts of its peak. Where `response` is the
@@ -197,8 +199,10 @@ def residual_ends(scenario: Any, response: Response) -> tuple[float, float] | No
     parts = table.residuals(truth_ratio(scenario).features)
     if not len(parts):
         return None
-    own = _is_anchor(response, table.anchor)
-    peak, residual = _numbers(response) if own else _anchor(scenario)
+    if response is not None and _is_anchor(response, table.anchor):
+        peak, residual = _numbers(response)
+    else:
+        peak, residual = _anchor(scenario)
     if isnan(residual):
         return None
     low, high = ends_of(len(parts))

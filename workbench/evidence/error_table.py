@@ -11,13 +11,21 @@ import pandas as pd
 
 from workbench.arrays import Array
 from workbench.evidence.catalogue import load
-from workbench.evidence.descriptors import DEMAND, FEATURES, STRIKER, features
+from workbench.evidence.descriptors import (
+    DEMAND,
+    FEATURES,
+    FRAME_FEATURES,
+    STRIKER,
+    features,
+    frame_features,
+)
 from workbench.evidence.pulses import LOADED, PULSE_FEATURES, pulse_features
-from workbench.scenarios import ColumnImpact, MemberPulse
+from workbench.scenarios import ColumnImpact, FrameImpact, MemberPulse
 
 ANCHOR, REFERENCE, FINEST = "flexible-superelement", "fiber-shear", "solid-plane-stress"
 COVERAGE = 0.90  # share of truths inside an interval
 MARGIN, NEAREST = 0.05, 20  # of the range of a feature that nobody drew; neighbours with a truth
+LEAST = 19  # values whose extremes hold nine of ten
 FEWEST = 8  # drawn scenarios from which the error of the reference is known
 TRUTH = "reference_peak"  # column of the table, in m; infinite: a collapse, empty: none
 
@@ -64,7 +72,8 @@ class ErrorTable:
             return np.empty(0)
         change = self.rows["reference_residual"] - self.rows["anchor_residual"]
         parts = (change / self.rows[self.anchor]).to_numpy(float)
-        return _alike(parts + 0.0 * self.ratios, self.rows, values, self.cells)
+        known = _alike(parts + 0.0 * self.ratios, self.rows, values, self.cells)
+        return known if len(known) >= LEAST else known[:0]
 
     def doubts(self, values: Mapping[str, float]) -> Array:
         """Sorted ln(finest / reference) of such columns, empty where they are few."""
@@ -162,4 +171,12 @@ PULSES = ErrorTable(
     cells={LOADED: (0.5,)},
     grows=0.25,
 )
-TABLES = {table.kind: table for table in (COLUMNS, PULSES)}
+FRAMES = ErrorTable(
+    kind=FrameImpact.KIND,
+    dataset="frames",
+    study="drawn_frames",
+    features=frame_features,
+    words=FRAME_FEATURES,
+    cells={STRIKER: (0.6, 5.0)},
+)
+TABLES = {table.kind: table for table in (COLUMNS, PULSES, FRAMES)}
