@@ -15,6 +15,7 @@ FLOORS = (
     *(
         "arrays",
         "errors",
+        "units",
         "fields",
         "datafiles",
         "point_tables",
@@ -36,7 +37,7 @@ FLOORS = (
         "studs",
     ),
     *("impact_tests", "assessment", "testing", "study", "intake", "content"),
-    *("report", "cli"),
+    *("report", "desk", "cli"),
 )
 MODULES = sorted(ROOT.rglob("*.py"))
 

@@ -1,3 +1,50 @@
-"""Steel-impact validation workbench: how far each reduced model can be trusted, at what cost."""
+"""Steel-impact validation workbench: how far each reduced model can be trusted, at what cost.
+
+``import workbench as wb`` imports nothing heavy; the names below come in with their first use.
+They and the attributes of their results are public: within a minor version they keep their
+arguments and their meaning. Everything else may move; docs/user-guide.md, "From Python".
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from workbench.desk.answers import *  # noqa: F403
+    from workbench.desk.studies import *  # noqa: F403
+    from workbench.errors import *  # noqa: F403
+    from workbench.materials import *  # noqa: F403
+    from workbench.registry import *  # noqa: F403
+    from workbench.scenarios import *  # noqa: F403
+    from workbench.study import *  # noqa: F403
 
 __version__ = "0.1.0"
+
+_PUBLIC = {  # room: names that it gives
+    "errors": ("InputError", "WorkbenchError"),
+    "materials": ("Steel",),
+    "scenarios": (
+        *("Column", "ColumnImpact", "ColumnPushover", "Striker", "Pulse", "MemberPulse"),
+        *("Frame", "Node", "Member", "Joint", "Load", "FrameStriker", "regular_frame"),
+        *("FrameImpact", "FrameStatic", "FramePulse", "FrameGroundMotion", "StudTests"),
+    ),
+    "registry": ("make_model", "model_names"),
+    "study": ("Study", "Case", "Figure", "Gate", "Budget", "load_study", "run_study"),
+    "desk.answers": ("Comparison", "compare", "hit", "load", "simulate"),
+    "desk.studies": ("fit_residual", "study_of"),
+}
+_ROOMS = {name: room for room, names in _PUBLIC.items() for name in names}
+__all__ = ["__version__", *_ROOMS]
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, from its room, which is imported now."""
+    if name not in _ROOMS:
+        raise AttributeError(f"module 'workbench' has no attribute {name!r}")
+    value = getattr(import_module(f"workbench.{_ROOMS[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """All public names, for completion."""
+    return sorted({*globals(), *_ROOMS})

@@ -4,11 +4,15 @@ import dataclasses
 import difflib
 import math
 import unicodedata
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
+from html import escape
 from typing import Any, ClassVar
 
-from workbench.errors import InputError
+from workbench.errors import InputError, shown
+from workbench.units import in_si
+
+_LIKE = {"m": '"3.2 m"', "m/s": '"90 km/h"', "N": '"500 kN"', "kg": '"1.5 t"', "Pa": '"355 MPa"'}
 
 
 class Rule:
@@ -55,8 +59,10 @@ class Number(Rule):
 
     def check(self, path: str, value: Any) -> float:
         """Return the value as int or float, or raise `InputError` naming `path`."""
+        if isinstance(value, str):
+            value = self._with_unit(path, value)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise self._refusal(path, value, "write a number without quotes or unit")
+            raise self._refusal(path, value, "write a number without quotes")
         if isinstance(value, float) and not math.isfinite(value):
             raise self._refusal(path, value, "the number must be finite")
         # Compared as it is: whole numbers may lie beyond all floats.
@@ -64,6 +70,15 @@ class Number(Rule):
         if not inside or (self.integer and value != int(value)):
             raise self._refusal(path, value)
         return int(value) if self.integer else float(value) + 0.0  # 0.0, not -0.0: they are equal
+
+    def _with_unit(self, path: str, text: str) -> float:
+        """The number of a text such as ``"90 km/h"``."""
+        number = in_si(text, self.unit) if self.unit else None
+        if number is None:
+            like = _LIKE.get(self.unit, "")
+            more = like and f", or with a unit in quotes, such as {like}"
+            raise self._refusal(path, text, f"write a number without quotes{more}")
+        return number
 
 
 @dataclasses.dataclass(frozen=True)
@@ -134,6 +149,13 @@ class Instance(Rule):
 
     def _allowed(self) -> str:
         return f"a {self.kind.__name__}"
+
+    def check(self, path: str, value: Any) -> Any:
+        """Return the object; what files give in its stead, a name or a table, becomes one."""
+        named = self.read is not None and isinstance(value, (str, Mapping))
+        if self.read is not None and named and not self._accepts(value):
+            return self.read(value, path)
+        return super().check(path, value)
 
     def _accepts(self, value: Any) -> bool:
         return isinstance(value, self.kind)
@@ -260,6 +282,16 @@ class Declared:
             return InputError(f"{self.TABLE}.{getattr(self, self.LABEL)}", None, allowed, advice)
         return InputError(self._path(field), getattr(self, name), allowed, advice)
 
+    def _repr_html_(self) -> str:
+        """The fields that are given, with their units, as a table of a notebook."""
+        rows = []
+        for field, rule, _, _ in _checks(type(self)):  # type: ignore[arg-type]
+            value = getattr(self, field.name)
+            text = escape(f"{shown(value)} {getattr(rule, 'unit', '')}")
+            text = value._repr_html_() if isinstance(value, Declared) else text
+            rows += [f"<tr><th>{field.name}</th><td>{text}</td></tr>"] * (value is not None)
+        return f"<table><caption>{type(self).__name__}</caption>{''.join(rows)}</table>"
+
     def _path(self, field: dataclasses.Field[Any]) -> str:
         label = f".{getattr(self, self.LABEL)}" if self.LABEL not in ("", field.name) else ""
         return path_of(field, self.TABLE + label)
@@ -286,5 +318,6 @@ def check_keys(given: Sequence[str], known: Sequence[str], table: str) -> None:
     for key in given:
         if key not in known:
             path = f"{table}.{key}" if table else key
-            allowed = "unknown key; known are " + ", ".join(known)
-            raise InputError(path, None, allowed, did_you_mean(key, known))
+            near = did_you_mean(key, known)
+            allowed = f"unknown key; {near} Known" if near else "unknown key; known"
+            raise InputError(path, None, f"{allowed} are {', '.join(known)}")

@@ -46,9 +46,9 @@ def model_kind(name: str) -> type[Any]:
     """
     known = model_names()
     if name not in known:
-        advice = did_you_mean(name, known, "see `workbench models`")
-        text = f"must be one of {', '.join(known)}{_NEW}"
-        raise InputError("model", name, text, advice)
+        near = did_you_mean(name, known)
+        text = f"is not known{_NEW}; {near}".removesuffix("; ")
+        raise InputError("model", name, text, "`workbench models` lists all")
     offer = _offer(name)
     if offer.kind is None:
         text = f"cannot be used: {offer.problem}"

@@ -147,11 +147,20 @@ def with_remedies(model: Any, scenario: Any, findings: Iterable[Finding]) -> lis
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """The model to take for a scenario, the `reason`, and of the anchor the `error` to expect."""
+    """The model to take for a scenario, `because`, and of the anchor the `error` to expect.
+
+    `reason` says both.
+    """
 
     model: str
-    reason: str
+    because: str
     error: ExpectedError
+    measured: bool = True
+
+    @property
+    def reason(self) -> str:
+        """Why it is taken, with the error where that was measured for such scenarios."""
+        return f"{self.because}: {self.error}" if self.measured else self.because
 
 
 def choose(scenario: Any) -> Choice:
@@ -160,12 +169,20 @@ def choose(scenario: Any) -> Choice:
     The solid takes minutes: it is a remedy, no choice.
     """
     error = anchor_error(scenario)
-    known = f": {error}" if scenario.KIND in TABLES else ""
+    model, because = ANCHOR, "which comes nearest: no quick model is inside its domain"
     if is_inside(ANCHOR, scenario):
-        return Choice(ANCHOR, f"the anchor of the error model{known}", error)
-    if is_inside(REFERENCE, scenario):
-        return Choice(REFERENCE, f"a reference, as {ANCHOR} is warned of here{known}", error)
-    return Choice(ANCHOR, f"which comes nearest: no quick model is inside its domain{known}", error)
+        because = "the anchor of the error model"
+    elif is_inside(REFERENCE, scenario):
+        model, because = REFERENCE, f"a reference, as {ANCHOR} is warned of here"
+    return Choice(model, because, error, scenario.KIND in TABLES)
+
+
+def quick_reference(scenario: Any) -> str:
+    """The quickest reference that is inside its domain; empty without one.
+
+    The solid takes minutes, and is none.
+    """
+    return REFERENCE if is_inside(REFERENCE, scenario) else ""
 
 
 def better(name: str, scenario: Any) -> tuple[str, ...]:

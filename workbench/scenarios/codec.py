@@ -167,7 +167,7 @@ def _value(place: Place, path: str, value: Any) -> Any:
         return tuple(parts)
     if isinstance(place.rule, Instance) and place.rule.read:
         return place.rule.read(value, path)
-    alone = getattr(place.rule, "single", False) and isinstance(value, (int, float))
+    alone = getattr(place.rule, "single", False) and isinstance(value, (int, float, str))
     return place.rule.check(path, [value] if alone else value)
 
 

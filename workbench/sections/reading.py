@@ -24,6 +24,7 @@ from workbench.sections.shapes import (
 )
 
 _LONGEST = 40  # characters of a name
+_HOLLOW = re.compile(r"(RHS|SHS|CHS)[\s_-]*((?:[\d.]{1,8}\s*[x×*]\s*){1,2}[\d.]{1,8})", re.I)
 _DIMENSIONS = ("height", "width", "web", "flange", "fillet")
 
 
@@ -78,8 +79,13 @@ def names() -> tuple[str, ...]:
 def find(name: str, path: str = "section") -> Section:
     """Look up a profile of the catalogue; spaces and case do not matter.
 
+    ``RHS 200x100x8``, ``SHS 100x5`` and ``CHS 219.1x10`` are tubes of these sizes in mm, those of
+    four sides with sharp corners, and are called as other sections from dimensions are.
     Raises `InputError` naming `path`, with the nearest known names.
     """
+    hollow = _HOLLOW.fullmatch(name.strip()) if isinstance(name, str) else None
+    if hollow is not None:
+        return _tube(hollow[1].upper(), hollow[2], name, path)
     known = profiles()
     spelled = _spelled(name) if isinstance(name, str) else ""
     if spelled in known:
@@ -87,6 +93,25 @@ def find(name: str, path: str = "section") -> Section:
     near = _nearest(name) if isinstance(name, str) else []
     guess = "did you mean " + " or ".join(near) + "?" if near else "or give its dimensions in m"
     raise InputError(path, name, f"must be a profile of the catalogue ({_families()})", guess)
+
+
+def _tube(family: str, sizes: str, name: str, path: str) -> Section:
+    """A hollow section by its family and sizes in mm."""
+    try:
+        size = [float(f"{text.strip()}e-3") for text in re.split("[xX×*]", sizes)]
+        if family == "SHS" and len(size) == 3 and size[0] == size[1]:
+            size = size[1:]
+        if len(size) != (3 if family == "RHS" else 2):
+            raise ValueError
+    except ValueError:
+        allowed = "must look like RHS 200x100x8, SHS 100x5 or CHS 219.1x10, in mm"
+        raise InputError(path, name, allowed) from None
+    try:
+        if family == "CHS":
+            return circular_tube(*size)
+        return rectangular_tube(*size) if family == "RHS" else square_tube(*size)
+    except InputError as error:
+        raise InputError(path, name, f"{error.field} {error.allowed}", error.advice) from None
 
 
 def i_section(

@@ -216,7 +216,7 @@ def _cell_row(answers: Answers, cell: Cell, record: Record | None) -> Row:
     row: dict[str, Any] = {"case": cell.case, "label": cell.label, "model": cell.model.name}
     row |= {"model_version": cell.version, "outcome": NOT_RUN, "key": cell.key}
     if record is not None:
-        row |= _numbers(answers.responses[cell.label], record)
+        row |= numbers_of(answers.responses[cell.label], record)
     return {**row, **answers.case.parameters, **_widths(answers, cell.label)}
 
 
@@ -227,7 +227,7 @@ def _finding_rows(answers: Answers) -> Iterator[Row]:
         yield from ({**who, "model": model, **f.as_dict()} for f in findings_of(response))
 
 
-def _numbers(response: Response, record: Record) -> Row:
+def numbers_of(response: Response, record: Record) -> Row:
     """What the table of cells says of an answer."""
     row: dict[str, object] = {
         "outcome": response.attrs["outcome"],

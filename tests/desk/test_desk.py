@@ -1,0 +1,155 @@
+"""The workbench as a person writes it: examples run, collapse is an answer, pictures have axes."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+
+import workbench as wb
+from workbench.errors import InputError
+from workbench.responses import Finding, Outcome
+
+ROOT = Path(wb.__file__).parent
+PAGES, BEGIN = ("README.md", "docs/user-guide.md"), "    import workbench as wb"
+
+
+@pytest.fixture(scope="module")
+def column() -> Any:
+    return wb.Column("HEB 220", 0.8, 3.2, fillets=False, axial_load="500 kN")
+
+
+@pytest.fixture(scope="module")
+def response(column: Any) -> Any:
+    return wb.simulate(wb.hit(column, mass=1500, velocity=15), "four-dof", beta=1.3)
+
+
+def test_the_top_level_is_light() -> None:
+    heavy = ("numpy", "xarray", "pandas", "scipy", "numba", "matplotlib", "typer")
+    code = f"import sys, workbench as wb; dir(wb); print([n for n in {heavy} if n in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_every_public_name_is_there_and_is_no_room() -> None:
+    rooms = {path.stem for path in ROOT.iterdir()}
+    for name in wb.__all__:
+        assert name not in rooms  # a module of that name would hide it once it is imported
+        assert getattr(wb, name).__doc__
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = wb.nothing
+
+
+@pytest.mark.parametrize("room", ["answers", "accessor", "studies"])
+def test_examples_run(room: str) -> None:
+    done = doctest.testmod(importlib.import_module(f"workbench.desk.{room}"))
+    assert done.attempted > 2
+    assert done.failed == 0
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_the_python_of_the_pages_runs(
+    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (ROOT.parent / page).read_text(encoding="utf-8")
+    text = text[text.index(BEGIN) :]
+    code = re.match(r"(?:(?:    .*)?\n)+", text)
+    assert code is not None
+    monkeypatch.chdir(tmp_path)
+    exec(re.sub("(?m)^    ", "", code[0]), {})
+    printed = capsys.readouterr().out.strip().replace("\u00a0", " ")
+    if page == "README.md":
+        assert f"    {printed}\n" in text
+        assert (tmp_path / "history.png").stat().st_size > 10_000
+
+
+def test_a_response_tells_what_it_knows(response: Any, column: Any) -> None:
+    answer = response.workbench
+    assert answer.outcome is Outcome.OK
+    assert all(isinstance(each, Finding) for each in answer.findings)
+    assert answer.scenario == wb.hit(column, mass="1.5 t", velocity="54 km/h")
+    assert answer.number("peak_displacement") == float(response["peak_displacement"])
+    assert np.isnan(answer.number("largest_drift"))
+    with pytest.raises(InputError, match="did you mean peak_displacement"):
+        answer.number("peak_displacment")
+    assert answer.error.low is not None
+    ends = 1.0 + np.array([answer.error.high, answer.error.low])
+    least, most = 1e3 * answer.number("peak_displacement") / ends
+    assert f"90 %: {least:.3g} to {most:.3g}; stands; by four-dof, as asked" in answer.headline
+    assert "<table>" in answer._repr_html_()
+    assert "HEB 220" in column._repr_html_()
+
+
+def test_a_collapse_is_an_answer_without_numbers(column: Any) -> None:
+    answer = wb.simulate(wb.hit(column, 1500, 80), "four-dof").workbench
+    assert answer.outcome is Outcome.COLLAPSE
+    assert answer.collapse.displacement > 0.0
+    assert np.isnan(answer.number("peak_displacement"))
+    assert "collapses (geometry: below)" in answer.headline
+    with pytest.raises(InputError, match="Collapse in four-dof"):
+        answer.plot.history()
+    assert isinstance(answer.plot.structure(), Axes)
+
+
+@pytest.mark.parametrize("kind", ["history", "structure", "deformed", "interaction", "energy"])
+def test_every_picture_has_axes(response: Any, kind: str) -> None:
+    axes = getattr(response.workbench.plot, kind)()
+    assert isinstance(axes, Axes)
+    assert axes.lines or axes.collections or axes.patches
+
+
+def test_the_history_drawn_is_the_history(response: Any) -> None:
+    (line,) = response.workbench.plot.history().lines
+    assert max(line.get_ydata()) == pytest.approx(1e3 * response["displacement"].values.max())
+
+
+def test_models_stand_side_by_side(column: Any, tmp_path: Path) -> None:
+    push = wb.ColumnPushover("push", column, 0.02)
+    answers = wb.compare(push, {"mine": "four-dof", "other": wb.make_model("single-dof")}, "mine")
+    assert list(answers.table["model"]) == ["mine", "other"]
+    assert np.isfinite(answers.table["wall_time"]).all()
+    hit = wb.compare(wb.hit(column, 1500, 5), ["four-dof", "single-dof"], "four-dof")
+    peaks = hit.table["peak_displacement"]
+    assert list(hit.table["error"]) == pytest.approx([0.0, peaks[1] / peaks[0] - 1.0])
+    hit.plot.save(tmp_path / "both.svg")
+    assert (tmp_path / "both.svg").read_text().count("<svg") == 1
+    assert "four-dof" in hit._repr_html_()
+    with pytest.raises(InputError, match="must end in"):
+        hit.plot.save(tmp_path / "both.gif")
+    with pytest.raises(InputError, match="must be one of four-dof, single-dof"):
+        _ = hit["fiber"]
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda c: wb.hit(c, "1.5 m", 15), "striker.mass = '1.5 m': must be a number above 0"),
+        (lambda c: wb.hit(c, 1500, 15, node="hit"), "node = 'hit': is for frames"),
+        (lambda c: wb.hit("column", 1500, 15), "must be a Column or a Frame"),
+        (lambda c: wb.simulate(wb.hit(c, 1500, 5), "four-dfo"), "did you mean four-dof?"),
+        (lambda c: wb.simulate(wb.hit(c, 1500, 5), "four-dof", gama=1.0), "option.gama"),
+        (lambda c: wb.Column("HEB 225", 0.8, 3.2), "did you mean HEB 220"),
+        (lambda c: wb.fit_residual("none.csv"), "table = 'none.csv': is not a file"),
+    ],
+)
+def test_bad_input_is_one_line(column: Any, call: Any, said: str) -> None:
+    with pytest.raises(InputError) as error:
+        call(column)
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_studs_are_fitted_from_a_file(tmp_path: Path) -> None:
+    from workbench.studs.schema import TEMPLATES, template
+
+    file = tmp_path / "tests.csv"
+    file.write_text(template("residual") + "\n".join(TEMPLATES["residual"].rows) + "\n")
+    assert wb.fit_residual(str(file), "strength").quantity == "strength"

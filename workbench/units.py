@@ -1,0 +1,58 @@
+"""Numbers with a unit as texts: ``"500 kN"``, ``"90 km/h"``; what they are in SI.
+
+A unit is a product of names with powers, divided by at most one such product: ``N/mm2``, ``kN m``,
+``kg/m^3``. Sums are exact: ``"200 mm"`` is the number 0.2.
+"""
+
+import re
+from fractions import Fraction
+
+Size = tuple[Fraction, tuple[int, int, int]]  # value in SI, powers of kg, m and s
+
+_NUMBER = re.compile(r"\s*([+-]?(?:\d{1,20}\.?\d{0,20}|\.\d{1,20})(?:[eE][+-]?\d{1,2})?)\s*(.*)")
+_FACTOR = re.compile(r"([A-Za-z]+)(?:\^?([1-4]))?")
+_NAMES: dict[str, Size] = {
+    name: (Fraction(value), powers)
+    for name, value, powers in (
+        *(("kg", "1", (1, 0, 0)), ("t", "1000", (1, 0, 0)), ("g", "1/1000", (1, 0, 0))),
+        *(("m", "1", (0, 1, 0)), ("cm", "1/100", (0, 1, 0)), ("mm", "1/1000", (0, 1, 0))),
+        *(("km", "1000", (0, 1, 0)), ("s", "1", (0, 0, 1)), ("ms", "1/1000", (0, 0, 1))),
+        *(("h", "3600", (0, 0, 1)), ("Hz", "1", (0, 0, -1)), ("rad", "1", (0, 0, 0))),
+        *(("N", "1", (1, 1, -2)), ("kN", "1000", (1, 1, -2)), ("MN", "1000000", (1, 1, -2))),
+        *(("Pa", "1", (1, -1, -2)), ("kPa", "1000", (1, -1, -2)), ("J", "1", (1, 2, -2))),
+        *(("MPa", "1000000", (1, -1, -2)), ("GPa", "1000000000", (1, -1, -2))),
+        *(("kJ", "1000", (1, 2, -2)), ("Nm", "1", (1, 2, -2)), ("kNm", "1000", (1, 2, -2))),
+    )
+}
+
+
+def in_si(text: str, unit: str) -> float | None:
+    """The number that a text with a unit is in the SI `unit`.
+
+    None if it is no such text, or of another dimension.
+    """
+    match = _NUMBER.fullmatch(text) if len(text) <= 60 else None
+    meant, wanted = _size(match[2].strip()) if match else None, _size(unit)
+    if match is None or meant is None or wanted is None or meant[1] != wanted[1]:
+        return None
+    return float(Fraction(match[1]) * meant[0] / wanted[0])
+
+
+def _size(unit: str) -> Size | None:
+    """What a unit is in SI; None for one that is not known."""
+    value, powers = Fraction(1), [0, 0, 0]
+    above, slash, below = unit.partition("/")
+    for sign, product in ((1, above), (-1, below)):
+        for factor in filter(None, re.split(r"[\s*·]+", product)):
+            match = _FACTOR.fullmatch(factor)
+            if match is None or match[1] not in _NAMES:
+                if sign > 0 and factor == "1":  # as in 1/s
+                    continue
+                return None
+            size, own = _NAMES[match[1]]
+            power = sign * int(match[2] or 1)
+            value *= size**power
+            powers = [sum_ + power * each for sum_, each in zip(powers, own, strict=True)]
+    if not above.strip() or (slash and not below.strip()):
+        return None
+    return value, (powers[0], powers[1], powers[2])
