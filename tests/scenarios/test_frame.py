@@ -332,7 +332,7 @@ REFUSED = [
     (lambda: _shake(duration=0.0), "time.duration", "from 1e-09"),
     (lambda: regular_frame((), (4.0,), SECTION, SECTION), "frame.bays", "1 to 100"),
     (lambda: regular_frame((3000.0,), (4.0,), SECTION, SECTION), "frame.bays.0", "millimetres"),
-    (lambda: regular_frame((3.0,), (4.0,), "HEB 220", SECTION), "frame.column", "find(name)"),
+    (lambda: regular_frame((3.0,), (4.0,), 220, SECTION), "frame.column", "find(name)"),
     (lambda: regular_frame((3.0,), (4.0,), SECTION, SECTION, base="x"), "frame.base", "pinned"),
 ]
 

@@ -102,7 +102,7 @@ METRES = "lengths are in metres, not millimetres"
         ({"side": 200}, "column.section.side", METRES),
         ({"side": 0.001}, "column.section.side", METRES),
         ({"side": -0.2}, "column.section.side", METRES),
-        ({"side": "200 mm"}, "column.section.side", "without quotes"),
+        ({"side": "200 kN"}, "column.section.side", "without quotes"),
         ({"side": True}, "column.section.side", "must be a number"),
         ({"side": float("nan")}, "column.section.side", "finite"),
         ({**I_TABLE, "height": 220.0}, "column.section.height", METRES),

@@ -49,14 +49,16 @@ def study_of(
     >>> len(wb.study_of(hits, ["four-dof", "energy-estimate"], "four-dof").cases)
     2
     """
-    named = isinstance(scenarios, Mapping)
-    cases = dict(scenarios) if named else {each.name: each for each in scenarios}  # type: ignore
+    if not isinstance(scenarios, Mapping):
+        pairs: list[tuple[str, Any]] = [(each.name, each) for each in scenarios]
+    else:
+        pairs = list(scenarios.items())
     labelled = models if isinstance(models, Mapping) else {label: label for label in models}
     words = {"title": name, "question": question}
     figures = (Figure("peaks", "peaks", "Peaks", "Of all models."),)
     return Study(
         name,
-        cases=tuple(Case(key, scenario) for key, scenario in cases.items()),
+        cases=tuple(Case(key, scenario) for key, scenario in pairs),
         models={label: asked(model) for label, model in labelled.items()},
         reference=reference,
         **{**words, "figures": figures, **parts},
