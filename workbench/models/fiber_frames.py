@@ -39,6 +39,7 @@ class ForceBased(BarHinges):
     hardening_ratio: float = checked(Number(1e-9, 0.1), 1e-6)
 
     second_order: ClassVar[bool] = False
+    euler_share: ClassVar[float] = 0.0
 
     def check(self) -> None:
         """Refuse layers that do not fit."""

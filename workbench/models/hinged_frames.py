@@ -56,6 +56,7 @@ class BarHinges(BarFrames):
     shear_flexible: bool = checked(Flag(), True)
 
     second_order: ClassVar[bool] = True
+    euler_share: ClassVar[float] = SAFE  # of a pin-ended bar, above its squash load; 0: any
     stretches: ClassVar[bool] = True  # whether hinges elongate plastically as they flow
     loses_moment: ClassVar[str] = ""  # what dead loads do that the model does not know
     in_cycles: ClassVar[str] = ""
@@ -85,9 +86,9 @@ class BarHinges(BarFrames):
     def parts(self, scenario: FrameScenario) -> list[int]:
         """Bars per member: `elements`, and more where the squash load nears the Euler load."""
         frame, counts = scenario.frame, super().parts(scenario)
-        for number, member in enumerate(frame.members if self.second_order else ()):
+        for number, member in enumerate(frame.members if self.euler_share else ()):
             p, length = frame.properties(member), frame.length(member)
-            bending = SAFE * pi**2 * frame.steel.elastic_modulus * p.second_moment
+            bending = self.euler_share * pi**2 * frame.steel.elastic_modulus * p.second_moment
             counts[number] = max(counts[number], ceil(length * sqrt(p.squash_load / bending)))
         return counts
 
@@ -151,6 +152,7 @@ class Giberson(BarHinges):
     version: ClassVar[int] = 4
     sources: ClassVar[tuple[str, ...]] = ("giberson1967", "heng2017")
     second_order: ClassVar[bool] = False
+    euler_share: ClassVar[float] = 0.0
     stretches: ClassVar[bool] = False
     loses_moment: ClassVar[str] = (
         "hinges without N-M interaction overestimate its resistance by nearly that share"

@@ -10,6 +10,7 @@ Sources: Spacone, Filippou and Taucer 1996; the line search is ours.
 import numpy as np
 
 from workbench.compiled import njit
+from workbench.structures.bars.resultant_kernels import resultant_energies, resultant_response
 from workbench.structures.corotation_kernels import add_element, deform
 from workbench.structures.fibers.kernels import section_energies, section_response
 
@@ -26,6 +27,8 @@ def respond(tables, e, p, duration, strain, old, new):
     if tables.elastic[e, p]:
         area, second = tables.modulus[e] * tables.area[e], tables.modulus[e] * tables.second[e]
         return area * strain[0], second * strain[1], area, 0.0, second
+    if tables.resultants.shape[0] > 0:
+        return resultant_response(tables.resultants[e], strain, old[p], new[p])
     strains = strain[0], 0.0, strain[1]  # yields at the end of a step
     n, _, m, c00, _, c02, _, _, c22 = section_response(
         tables.sections, tables.sections.of[e], 1.0, duration, strains, old[p], new[p]
@@ -168,16 +171,20 @@ def account(weight, bars, tables, old, new):
                 stored += 0.5 * dx * (area * after[0] ** 2 + second * after[1] ** 2)
                 algorithmic += (weight - 0.5) * dx * (area * d0 * d0 + second * d1 * d1)
                 continue
-            states = (
-                (before[0], 0.0, before[1]),
-                (after[0], 0.0, after[1]),
-                old.fibers[e, p],
-                new.fibers[e, p],
-            )
-            s = tables.sections.of[e]
-            parts = section_energies(tables.sections, s, weight, dx, *states)
+            states = old.fibers[e, p], new.fibers[e, p]
+            if tables.resultants.shape[0] > 0:
+                row = tables.resultants[e]
+                parts = resultant_energies(row, weight, dx, before, after, *states)
+                ideal += parts[3]
+            else:
+                s, start, end = (
+                    tables.sections.of[e],
+                    (before[0], 0.0, before[1]),
+                    (after[0], 0.0, after[1]),
+                )
+                parts = section_energies(tables.sections, s, weight, dx, start, end, *states)
+                ideal += section_energies(tables.sections, s, 1.0, dx, start, end, *states)[1]
             stored += parts[0]
             plastic += parts[1]
             algorithmic += parts[2]
-            ideal += section_energies(tables.sections, s, 1.0, dx, *states)[1]
     return stored, plastic, algorithmic, ideal

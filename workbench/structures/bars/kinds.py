@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.arrays import Array, Flags, Indices
-from workbench.structures.bars import beam_kernels, fiber_kernels, kernels
+from workbench.structures.bars import beam_kernels, fiber_kernels, kernels, resultant_kernels
 from workbench.structures.bars.group import Bar, BarElements, first_order_stiffness
 from workbench.structures.fibers.section import (
     BeamSection,
@@ -231,7 +231,8 @@ class FiberBarTables(NamedTuple):
 
     `xi`, `weights` and `elastic` (e, points) of the rule; `lengths` (e,); `rest` (e, 3, 3),
     flexibility of joints and shear; `pinned` (e, 2); `scale` (e, 2) of N and M; `modulus`, `area`,
-    `second` moment (e,) of the elastic points; `sections` of fibers.
+    `second` moment (e,) of the elastic points; `sections` of fibers, or `resultants` (e,), records
+    of RESULTANT in their place.
     """
 
     xi: Array
@@ -245,6 +246,7 @@ class FiberBarTables(NamedTuple):
     area: Array
     second: Array
     sections: SectionTables
+    resultants: Any
 
 
 def fiber_bars(
@@ -253,11 +255,17 @@ def fiber_bars(
     rules: Sequence[Rule],
     sections: Sequence[BeamSection],
     first_order: bool = False,
+    resultants: Sequence[tuple[Any, ...]] = (),
 ) -> BarElements:
-    """Force-based beams: fiber sections at the points of `rules`, as many in all of them."""
+    """Force-based beams: fiber sections at the points of `rules`, as many in all of them.
+
+    `resultants`, entries of RESULTANT of every bar: sections known by N and M; `sections` then give
+    elastic stiffness and mass alone.
+    """
     count, points = len(bars), len(rules[0].xi)
     fibers = section_tables(np.arange(count), sections)
-    states = max(section.law.states for section in sections)
+    state_of_fibers = max(section.law.states for section in sections), fibers.y.shape[1]
+    shape = (resultant_kernels.STATES, 2) if resultants else state_of_fibers
     modulus = np.array([section.law.elastic_modulus for section in sections])
 
     def tables(rows: Any, lengths: Array) -> FiberBarTables:
@@ -280,12 +288,13 @@ def fiber_bars(
             area,
             fibers.second,
             fibers,
+            np.array(list(resultants), dtype=resultant_kernels.RESULTANT),
         )
 
     state = FiberBarState(
         np.zeros((count, 3)),
         np.zeros((count, 3)),
         np.zeros((count, points, 2)),
-        np.zeros((count, points, states, fibers.y.shape[1])),
+        np.zeros((count, points, *shape)),
     )
     return BarElements(nodes, bars, fiber_kernels, state, tables, _elastic, first_order)

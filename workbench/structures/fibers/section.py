@@ -318,3 +318,28 @@ def spread_of_yield(section: BeamSection) -> tuple[float, Array, Array]:
     share = 1.0 - np.linspace(1.0, 0.0, SHARES) ** 2
     known = (moment - moment[0]) / (moment[-1] - moment[0])
     return float(moment[0]), np.interp(share, known, rotation), share
+
+
+def yielding_in_bending(section: BeamSection, inner: float | None = None) -> tuple[float, float]:
+    """Yield and bounding surface of a section by its fibers in bending without axial force.
+
+    Argument: size `inner` of the yield surface (None: where the first fiber yields, at least a
+    half). Result: that size; the curvature g / M_p (1/m) that gives the moment of the fibers half
+    of the way from first yield to the plastic moment, 1 - m = d / (1 + d k M_p / g), d = 1 - inner,
+    after a plastic curvature k.
+    """
+    stress = np.zeros_like(section.y) if section.initial_stress is None else section.initial_stress
+    modulus, limit = section.law.elastic_modulus, section.law.parameters()[2]
+    bent = np.geomspace(0.1, 200.0, 800) * limit / modulus / np.max(section.y)
+    stresses = np.clip(modulus * np.outer(bent, section.y) + stress, -limit, limit)
+    moment = stresses @ (section.y * section.area)
+    full = limit * float(np.sum(np.abs(section.y) * section.area))
+    bending = modulus * section.radius_squared * float(np.sum(section.area))
+    elastic = np.min((limit - np.abs(stress)) / np.maximum(np.abs(section.y), 1e-12))
+    first = float(elastic) * bending / modulus / full
+    inner = max(first, 0.5) if inner is None else inner
+    apart, left = 1.0 - inner, 0.5 * (1.0 - max(first, inner))
+    if left == 0.0:
+        return inner, 0.0
+    plastic = float(np.interp(1.0 - left, moment / full, bent - moment / bending))
+    return inner, plastic * apart * left / (apart - left)

@@ -1,0 +1,150 @@
+"""Frames of force-based elements whose sections are known by N and M alone (Heng 2017, 2.2).
+
+`bounding-surface` yields by degrees between two surfaces (El-Tawil and Deierlein);
+`modified-tangent-modulus` has sharp hinges on members that N softens (Ziemian and McGuire).
+Derivation: docs/theory/frame-models.md.
+"""
+
+from abc import abstractmethod
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from workbench.arrays import Array
+from workbench.fields import Choice, Number, checked
+from workbench.frames.members import fiber_section, named
+from workbench.frames.superelements import Piece
+from workbench.hinges.interaction import polyline
+from workbench.models.bar_frames import Cut
+from workbench.models.frame_model import as_frame
+from workbench.models.hinged_frames import BarHinges
+from workbench.responses import Finding, finding
+from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
+from workbench.sections import ISection
+from workbench.structures.bars import Bar, BarElements, fiber_bars, lobatto_rule
+from workbench.structures.fibers import PATTERNS, BeamSection, section_fibers
+from workbench.structures.fibers.section import LinearHardening, yielding_in_bending
+
+LAYERS = 40  # of the fibers that two surfaces are calibrated on
+MINOR = 0.65  # weight of moments about the minor axis, Ziemian and McGuire 2002
+COMMON = (
+    "Moments are exactly linear between the ends of an element; N bends members through their "
+    "elements, as many as keep its squash load below 1/16 of the Euler load of one.",
+    "Super-elliptic surface of the fully plastic section; joints turn elastically, their strength "
+    "is that of the member.",
+    "No shear yielding, no local buckling, no strain-rate effect.",
+)
+
+
+@dataclass(frozen=True)
+class Resultants(BarHinges):
+    """Force-based elements, each section of which is a law of N and M.
+
+    Shared options: Gauss-Lobatto `points` along an element, whose ends are among them;
+    `regularisation`, share of the elastic stiffness beside the sections.
+    """
+
+    points: int = checked(Number(3, 20, integer=True), 5)
+
+    second_order: ClassVar[bool] = False
+    euler_share: ClassVar[float] = 1.0 / 16.0
+
+    def curve(self, frame: Frame, piece: Piece, joint_governs: bool) -> Array:
+        """The super-ellipse."""
+        return polyline("super-ellipse", frame.strength_section(piece.member))
+
+    @abstractmethod
+    def law(self, frame: Frame, member: Member) -> dict[str, float]:
+        """Entries `inner`, `lag`, `weight` and `softens` of RESULTANT."""
+
+    def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
+        """The elements."""
+        steel, sections, rows = frame.steel, [], []
+        laws = {member.name: self.law(frame, member) for member in frame.members}
+        law = LinearHardening(steel.elastic_modulus, steel.yield_stress)
+        for piece, bar in zip(cut[2], bars, strict=True):
+            p = frame.properties(piece.member)
+            two = np.full(2, 0.5 * p.area)  # fibers that stand for EA and EI
+            radius = np.sqrt(p.second_moment / p.area)
+            sections.append(BeamSection(radius * np.array([-1.0, 1.0]), two, law, piece.mass))
+            exponents = frame.strength_section(piece.member).interaction_fit()
+            own = laws[piece.member.name]
+            rows.append(
+                (
+                    *(bar.axial_stiffness, bar.bending_stiffness),
+                    *(p.squash_load, p.plastic_moment, *exponents),
+                    *(own["inner"], own["lag"], self.regularisation, own["weight"]),
+                    own["softens"],
+                )
+            )
+        rules = [lobatto_rule(self.points)] * len(bars)
+        return fiber_bars(cut[1], bars, rules, sections, self.first_order, rows)
+
+
+@dataclass(frozen=True)
+class BoundingSurface(Resultants):
+    """Yield surface within a bounding surface, both super-elliptic, smooth between them.
+
+    Options: `inner`, size of the yield surface over that of the bounding one (None: where fibers
+    of the section begin to yield in bending, at least a half); `residual_stress` of these fibers.
+    """
+
+    inner: float | None = checked(Number(0.5, 1.0), optional=True)
+    residual_stress: str = checked(Choice(PATTERNS), "none")
+
+    name: ClassVar[str] = "bounding-surface"
+    version: ClassVar[int] = 1
+    sources: ClassVar[tuple[str, ...]] = ("eltawil1998", "eltawil2001", "mroz1967", "heng2017")
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Sections flow normal to a yield surface that moves within the bounding surface of the "
+        "full plastic section; the plastic modulus falls with the square of the distance between "
+        "both, calibrated on fibers in bending.",
+        *COMMON,
+    )
+
+    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
+        """Findings of hinges, and residual stresses of sections that they are not known of."""
+        members = as_frame(scenario).frame.members
+        others = [m.name for m in members if not isinstance(m.section.shape, ISection)]
+        findings = super().domain(scenario)
+        if self.residual_stress != "none" and others:
+            values = {"pattern": self.residual_stress, "members": named(others)}
+            findings.append(finding("residual-stress", **values))
+        return findings
+
+    def law(self, frame: Frame, member: Member) -> dict[str, float]:
+        """Surfaces of fibers in bending."""
+        section, steel = frame.strength_section(member), frame.steel
+        fibers = section_fibers(section, LAYERS, self.residual_stress)
+        strips = fiber_section(frame, member, LAYERS, 0.0)
+        stress = steel.yield_stress * fibers.residual
+        strips = replace(strips, y=fibers.y, area=fibers.area, initial_stress=stress)
+        inner, slowness = yielding_in_bending(strips, self.inner)
+        lag = frame.properties(member).plastic_moment * slowness
+        return {"inner": inner, "lag": lag, "weight": 0.0, "softens": False}
+
+
+@dataclass(frozen=True)
+class ModifiedTangentModulus(Resultants):
+    """Plastic hinges on members whose modulus falls with the axial force.
+
+    Options: `minor_weight` of the moment beside the axial force, 0.65 for members that bend about
+    their minor axis (whose second moment and plastic moment they must state), 0 about the major.
+    """
+
+    minor_weight: float = checked(Number(0.0, 1.0), 0.0)
+
+    name: ClassVar[str] = "modified-tangent-modulus"
+    version: ClassVar[int] = 1
+    sources: ClassVar[tuple[str, ...]] = ("ziemian2002", "heng2017")
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Modulus E min(1, (1 + 2p)(1 - p - w m)), p = N/Np, m = M/Mp, for what forces grow by "
+        "beyond the largest so far; unloading is elastic.",
+        "Perfectly plastic at the full plastic section, with normal flow.",
+        *COMMON,
+    )
+
+    def law(self, frame: Frame, member: Member) -> dict[str, float]:
+        """One surface, and a modulus that falls."""
+        return {"inner": 1.0, "lag": 0.0, "weight": self.minor_weight, "softens": True}
