@@ -76,7 +76,7 @@ class ForceBasedBeam(ForceBased):
     points: int = checked(Number(3, 20, integer=True), 5)
 
     name: ClassVar[str] = "force-based-beam"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
     sources: ClassVar[tuple[str, ...]] = ("spacone1996", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Gauss-Lobatto points with fibers; without hardening plasticity stays at the end points, "
@@ -99,7 +99,7 @@ class FiberHinge(ForceBased):
     hinge_length: float = checked(Number(0.01, 10.0), 1.0)
 
     name: ClassVar[str] = "fiber-hinge"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
     sources: ClassVar[tuple[str, ...]] = ("ngohuu2007", "scott2006", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Fibers over a hinge length (the depth of the section) at both ends; what lies between "

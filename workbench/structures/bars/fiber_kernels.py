@@ -37,16 +37,19 @@ def respond(tables, e, p, duration, strain, old, new):
 
 
 @njit(cache=True, error_model="numpy")
-def rise(tables, e, duration, strains, change, carried, onwards, old, new):
+def rise(tables, e, duration, strains, change, carried, onwards, goal, old, new):
     """Derivative of the energy along a `change` of strains (points, 2) at `strains`.
 
     Arguments: forces `carried` (3,) by joints and shear, and their change `onwards`; strains are
-    weighted by the length of the element.
+    weighted by the length of the element. The forces of the `goal` are taken off, whose work on the
+    change is zero but for rounding, which would be more than what is sought.
     """
-    total = onwards @ (tables.rest[e] @ carried)
+    total = onwards @ (tables.rest[e] @ (carried - goal))
+    xi = tables.xi[e]
     for p in range(strains.shape[0]):
         n, m, _, _, _ = respond(tables, e, p, duration, strains[p], old, new)
-        total += tables.weights[e, p] * tables.lengths[e] * (n * change[p, 0] + m * change[p, 1])
+        dn, dm = n - goal[0], m - (xi[p] - 1.0) * goal[1] - xi[p] * goal[2]
+        total += tables.weights[e, p] * tables.lengths[e] * (dn * change[p, 0] + dm * change[p, 1])
     return total
 
 
@@ -72,6 +75,8 @@ def force_law(tables, e, duration, q, Q, strains, old, new, k):
             b1, b4, w = xi[p] - 1.0, xi[p], weights[p] * tables.lengths[e]
             dn, dm = Q[0] - n, b1 * Q[1] + b4 * Q[2] - m
             worst = max(worst, abs(dn) / tables.scale[e, 0], abs(dm) / tables.scale[e, 1])
+            if count == 0 and tables.resultants.shape[0] > 0:  # sharp surfaces are left elastically
+                c00, c02, c22 = tables.resultants[e].axial, 0.0, tables.resultants[e].bending
             det = c00 * c22 - c02 * c02
             f00, f02, f22 = c22 / det, -c02 / det, c00 / det
             soft[p, 0], soft[p, 1], soft[p, 2] = f00, f02, f22
@@ -110,11 +115,11 @@ def force_law(tables, e, duration, q, Q, strains, old, new, k):
         t = 1.0
         if count > 0:  # the first step, elastic or not, makes strains compatible
             on = goal - carried
-            first = abs(rise(tables, e, duration, strains, change, carried, on, old, new))
+            first = abs(rise(tables, e, duration, strains, change, carried, on, goal, old, new))
             low, fall, high, climb = 0.0, -first, 1.0, np.inf
             for _ in range(CUTS):
                 there, at = carried + t * on, strains + t * change
-                end = rise(tables, e, duration, at, change, there, on, old, new)
+                end = rise(tables, e, duration, at, change, there, on, goal, old, new)
                 if end > 0.5 * first:
                     high, climb = t, end
                 elif end < -0.5 * first and t < 1.0:

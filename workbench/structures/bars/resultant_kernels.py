@@ -35,41 +35,14 @@ STATES = 5
 ITERATIONS = 60
 CLOSED = 1e-13  # of the terms that make the gap
 LEAST_MODULUS = 1e-3
+SAME = 1e-9  # of a force, that is not below another
+FLAGS = 4  # N and M beyond their largest or not
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def modulus(p, rest):
     """Tangent modulus over E at p = |N| / N_p; `rest`, 1 - w m."""
     return max(min((1.0 + 2.0 * p) * (rest - p), 1.0), LEAST_MODULUS)
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def where(level, rest):
-    """Both p at which (1 + 2 p) (rest - p) is at a `level`; the same beyond its top."""
-    root = math.sqrt(max((2.0 * rest - 1.0) ** 2 + 8.0 * (rest - level), 0.0))
-    return 0.25 * (2.0 * rest - 1.0 - root), 0.25 * (2.0 * rest - 1.0 + root)
-
-
-@njit(cache=True, error_model="numpy")
-def softened(p, rest, change):
-    """The p to which a `change` at E leads from `p`: the integral of dp = modulus d(change).
-
-    Where the modulus is less than E, (1 + 2 p) / (rest - p) grows by exp((1 + 2 rest) change).
-    """
-    low, high = where(1.0, rest)
-    _, least = where(LEAST_MODULUS, rest)
-    for end, soft in ((low, True), (high, False), (least, True)):
-        if p >= end:
-            continue
-        ratio = (1.0 + 2.0 * p) / (rest - p)
-        needed = end - p
-        if soft:
-            needed = math.log((1.0 + 2.0 * end) / (rest - end) / ratio) / (1.0 + 2.0 * rest)
-        if change <= needed:
-            ratio *= math.exp((1.0 + 2.0 * rest) * change)
-            return (ratio * rest - 1.0) / (ratio + 2.0) if soft else p + change
-        change, p = change - needed, end
-    return p + LEAST_MODULUS * change
 
 
 @njit(cache=True, error_model="numpy")
@@ -125,22 +98,29 @@ def resultant_response(row, strain, old, new):
 
     Arguments: a row of RESULTANT; committed state `old` (5, 2). Writes the trial state `new`.
     """
-    n, m = row.axial * (strain[0] - old[0, 0]), row.bending * (strain[1] - old[0, 1])
-    k0, k1 = row.axial, row.bending
+    elastic, most, k = np.empty(2), np.empty(2), np.array([row.axial, row.bending])
+    for i in range(2):
+        elastic[i] = k[i] * (strain[i] - old[0, i])
+    share = 1.0
     if row.softens:
-        rest = 1.0 - row.weight * abs(old[2, 1]) / row.moment
-        most = old[4, 0]
-        if abs(n) > most:
-            p = softened(most / row.squash, rest, (abs(n) - most) / row.squash)
-            n, k0 = math.copysign(p * row.squash, n), row.axial * modulus(p, rest)
-        most = old[3, 0] if m >= 0.0 else old[3, 1]
-        if abs(m) > most:
-            share = modulus(abs(old[2, 0]) / row.squash, rest)
-            m, k1 = math.copysign(most + share * (abs(m) - most), m), row.bending * share
+        share = modulus(abs(old[2, 0]) / row.squash, 1.0 - row.weight * abs(old[2, 1]) / row.moment)
+    most[0], most[1] = old[4, 0], old[3, 0] if elastic[1] >= 0.0 else old[3, 1]
     off = 1.0 + old[4, 1] / (1.0 - row.inner) if row.inner < 1.0 else 1.0
-    n, m, nn, nm, mm, share, yields = on_surfaces(
-        row, (k0, k1), (n, m), (old[1, 0], old[1, 1]), row.lag * off * off
-    )
+    lag, centre = row.lag * off * off, (old[1, 0], old[1, 1])
+    trial, soft = elastic.copy(), np.abs(elastic) >= (1.0 - SAME) * most
+    for _ in range(FLAGS):
+        for i in range(2):
+            k[i], trial[i] = (row.axial, row.bending)[i], elastic[i]
+            if soft[i]:
+                beyond = share * (abs(elastic[i]) - most[i])
+                k[i], trial[i] = share * k[i], math.copysign(most[i] + beyond, elastic[i])
+        n, m, nn, nm, mm, moved, yields = on_surfaces(
+            row, (k[0], k[1]), (trial[0], trial[1]), centre, lag
+        )
+        on0, on1 = abs(n) >= (1.0 - SAME) * most[0], abs(m) >= (1.0 - SAME) * most[1]
+        if share == 1.0 or (on0 == soft[0] and on1 == soft[1]):
+            break
+        soft[0], soft[1] = on0, on1
     new[:] = old
     new[0, 0], new[0, 1] = strain[0] - n / row.axial, strain[1] - m / row.bending
     new[2, 0], new[2, 1] = n, m
@@ -148,9 +128,9 @@ def resultant_response(row, strain, old, new):
     new[4, 0] = max(old[4, 0], abs(n))
     if yields:
         # s = (1 - t) a + (r + t (1 - r)) s', and s' is where the centre goes
-        way = share * (1.0 - row.inner) / (row.inner + share * (1.0 - row.inner))
+        way = moved * (1.0 - row.inner) / (row.inner + moved * (1.0 - row.inner))
         for i, force in ((0, n), (1, m)):
-            kept = (1.0 - share) * old[1, i]
+            kept = (1.0 - moved) * old[1, i]
             new[1, i] = kept + way * (force - kept)
     else:
         away = abs(old[1, 0]) / row.squash + abs(old[1, 1]) / row.moment
