@@ -39,7 +39,7 @@ def group(
     law = LinearHardening(210e9, 355e6)
     radius = np.sqrt(EI / EA)
     fibers = BeamSection(radius * np.array([-1.0, 1.0]), np.full(2, 0.5 * EA / 210e9), law, 71.0)
-    row = (EA, EI, NP, MP, *exponents, inner, lag * ENERGY, beside, weight, softens)
+    row = (EA, EI, NP, MP, *exponents, beside, inner, lag * ENERGY, weight, softens)
     made = fiber_bars([[0, 1]], [bar], [lobatto_rule(POINTS)], [fibers], False, resultants=[row])
     places = np.zeros((1, 36), dtype=np.int64)
     made.place(Bars(np.arange(6)[None], places, np.array([[LENGTH, 0.0]]), np.array([LENGTH])))

@@ -10,7 +10,7 @@ import numpy as np
 from workbench.materials import Steel
 from workbench.responses import Finding, finding
 from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, FrameStatic, Member
-from workbench.sections import CircularTube, Rectangle, Section
+from workbench.sections import CircularTube, ISection, Rectangle, Section
 from workbench.structures.fibers.section import BeamSection, LinearHardening
 
 STRAIGHT = 1e-6  # sine of the largest kink
@@ -124,6 +124,14 @@ def fiber_section(frame: Frame, member: Member, layers: int, hardening_ratio: fl
     hardening = steel.hardening_modulus or hardening_ratio * modulus
     law = LinearHardening(modulus, steel.yield_stress, hardening, rate=steel.rate)
     return BeamSection(y, area, law, frame.properties(member).mass_per_length)
+
+
+def residual_findings(frame: Frame, pattern: str) -> list[Finding]:
+    """Refusal of a `pattern` of residual stresses in sections that it is not known of."""
+    others = [m.name for m in frame.members if not isinstance(m.section.shape, ISection)]
+    if pattern == "none" or not others:
+        return []
+    return [finding("residual-stress", pattern=pattern, members=named(others))]
 
 
 def shear_stiffness(section: Section, steel: Steel) -> float:

@@ -7,27 +7,26 @@ Derivation: docs/theory/frame-models.md.
 
 from abc import abstractmethod
 from dataclasses import dataclass, replace
+from math import sqrt
 from typing import ClassVar
 
 import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Number, checked
-from workbench.frames.members import fiber_section, named
+from workbench.frames.members import fiber_section, residual_findings
 from workbench.frames.superelements import Piece
 from workbench.hinges.interaction import polyline
 from workbench.models.bar_frames import Cut
 from workbench.models.frame_model import as_frame
 from workbench.models.hinged_frames import BarHinges
-from workbench.responses import Finding, finding
+from workbench.responses import Finding
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
-from workbench.sections import ISection
 from workbench.structures.bars import Bar, BarElements, fiber_bars, lobatto_rule
 from workbench.structures.fibers import PATTERNS, BeamSection, section_fibers
 from workbench.structures.fibers.section import LinearHardening, yielding_in_bending
 
 LAYERS = 40  # of the fibers that two surfaces are calibrated on
-MINOR = 0.65  # weight of moments about the minor axis, Ziemian and McGuire 2002
 COMMON = (
     "Moments are exactly linear between the ends of an element; N bends members through their "
     "elements, as many as keep its squash load below 1/16 of the Euler load of one.",
@@ -55,29 +54,23 @@ class Resultants(BarHinges):
         return polyline("super-ellipse", frame.strength_section(piece.member))
 
     @abstractmethod
-    def law(self, frame: Frame, member: Member) -> dict[str, float]:
-        """Entries `inner`, `lag`, `weight` and `softens` of RESULTANT."""
+    def law(self, frame: Frame, member: Member) -> tuple[float, float, float, bool]:
+        """Entries `inner`, `lag`, `minor` and `softens` of RESULTANT."""
 
     def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
-        """The elements."""
+        """The elements; two fibers each stand for their EA and EI."""
         steel, sections, rows = frame.steel, [], []
         laws = {member.name: self.law(frame, member) for member in frame.members}
-        law = LinearHardening(steel.elastic_modulus, steel.yield_stress)
+        elastic = LinearHardening(steel.elastic_modulus, steel.yield_stress)
         for piece, bar in zip(cut[2], bars, strict=True):
             p = frame.properties(piece.member)
-            two = np.full(2, 0.5 * p.area)  # fibers that stand for EA and EI
-            radius = np.sqrt(p.second_moment / p.area)
-            sections.append(BeamSection(radius * np.array([-1.0, 1.0]), two, law, piece.mass))
+            radius = sqrt(p.second_moment / p.area)
+            pair = np.array([-radius, radius]), np.full(2, 0.5 * p.area)
+            sections.append(BeamSection(*pair, elastic, piece.mass))
+            stiffness = bar.axial_stiffness, bar.bending_stiffness
             exponents = frame.strength_section(piece.member).interaction_fit()
-            own = laws[piece.member.name]
-            rows.append(
-                (
-                    *(bar.axial_stiffness, bar.bending_stiffness),
-                    *(p.squash_load, p.plastic_moment, *exponents),
-                    *(own["inner"], own["lag"], self.regularisation, own["weight"]),
-                    own["softens"],
-                )
-            )
+            surface = p.squash_load, p.plastic_moment, *exponents
+            rows.append((*stiffness, *surface, self.regularisation, *laws[piece.member.name]))
         rules = [lobatto_rule(self.points)] * len(bars)
         return fiber_bars(cut[1], bars, rules, sections, self.first_order, rows)
 
@@ -105,24 +98,17 @@ class BoundingSurface(Resultants):
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings of hinges, and residual stresses of sections that they are not known of."""
-        members = as_frame(scenario).frame.members
-        others = [m.name for m in members if not isinstance(m.section.shape, ISection)]
-        findings = super().domain(scenario)
-        if self.residual_stress != "none" and others:
-            values = {"pattern": self.residual_stress, "members": named(others)}
-            findings.append(finding("residual-stress", **values))
-        return findings
+        frame = as_frame(scenario).frame
+        return super().domain(scenario) + residual_findings(frame, self.residual_stress)
 
-    def law(self, frame: Frame, member: Member) -> dict[str, float]:
+    def law(self, frame: Frame, member: Member) -> tuple[float, float, float, bool]:
         """Surfaces of fibers in bending."""
-        section, steel = frame.strength_section(member), frame.steel
-        fibers = section_fibers(section, LAYERS, self.residual_stress)
-        strips = fiber_section(frame, member, LAYERS, 0.0)
+        steel, strips = frame.steel, fiber_section(frame, member, LAYERS, 0.0)
+        fibers = section_fibers(frame.strength_section(member), LAYERS, self.residual_stress)
         stress = steel.yield_stress * fibers.residual
         strips = replace(strips, y=fibers.y, area=fibers.area, initial_stress=stress)
         inner, slowness = yielding_in_bending(strips, self.inner)
-        lag = frame.properties(member).plastic_moment * slowness
-        return {"inner": inner, "lag": lag, "weight": 0.0, "softens": False}
+        return inner, frame.properties(member).plastic_moment * slowness, 0.0, False
 
 
 @dataclass(frozen=True)
@@ -145,6 +131,6 @@ class ModifiedTangentModulus(Resultants):
         *COMMON,
     )
 
-    def law(self, frame: Frame, member: Member) -> dict[str, float]:
+    def law(self, frame: Frame, member: Member) -> tuple[float, float, float, bool]:
         """One surface, and a modulus that falls."""
-        return {"inner": 1.0, "lag": 0.0, "weight": self.minor_weight, "softens": True}
+        return 1.0, 0.0, self.minor_weight, True

@@ -14,7 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.fields import Choice, Number, checked
-from workbench.frames.members import named, shear_stiffness
+from workbench.frames.members import residual_findings, shear_stiffness
 from workbench.materials import Steel
 from workbench.models.frame_model import COLUMNS, as_frame
 from workbench.references.fiber import FiberReference
@@ -22,7 +22,6 @@ from workbench.references.fiber_mesh import REISSNER_GIVEN, REISSNER_RULE, Frame
 from workbench.references.refine import LEVELS
 from workbench.responses import Finding, finding
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
-from workbench.sections.shapes import ISection
 from workbench.structures.fibers import PATTERNS, BeamSection, section_fibers
 from workbench.structures.fibers.beams import ReissnerBeams
 from workbench.structures.fibers.section import (
@@ -57,11 +56,7 @@ class ExactBeams(FiberReference):
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings common to all fiber references, and refusals of options."""
         findings = super().domain(scenario)
-        members = as_frame(scenario).frame.members
-        others = [m.name for m in members if not isinstance(m.section.shape, ISection)]
-        if self.residual_stress != "none" and others:
-            pattern = self.residual_stress
-            findings.append(finding("residual-stress", pattern=pattern, members=named(others)))
+        findings += residual_findings(as_frame(scenario).frame, self.residual_stress)
         if self.out_of_straightness != 0.0 and not isinstance(scenario, COLUMNS):
             findings.append(finding("out-of-straightness", amplitude=self.out_of_straightness))
         return findings

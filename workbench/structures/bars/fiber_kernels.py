@@ -75,7 +75,8 @@ def force_law(tables, e, duration, q, Q, strains, old, new, k):
             b1, b4, w = xi[p] - 1.0, xi[p], weights[p] * tables.lengths[e]
             dn, dm = Q[0] - n, b1 * Q[1] + b4 * Q[2] - m
             worst = max(worst, abs(dn) / tables.scale[e, 0], abs(dm) / tables.scale[e, 1])
-            if count == 0 and tables.resultants.shape[0] > 0:  # sharp surfaces are left elastically
+            if count == 0 and tables.resultants.shape[0] > 0:
+                # elastic first: a surface left with its plastic tangent is left by far too much
                 c00, c02, c22 = tables.resultants[e].axial, 0.0, tables.resultants[e].bending
             det = c00 * c22 - c02 * c02
             f00, f02, f22 = c22 / det, -c02 / det, c00 / det

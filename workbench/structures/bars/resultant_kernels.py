@@ -27,7 +27,7 @@ from workbench.hinges.kernels import ANYWHERE, ELASTIC, newton_in_bracket, proje
 RESULTANT = np.dtype(
     [
         *((name, float) for name in ("axial", "bending", "squash", "moment", "alpha", "beta")),
-        *((name, float) for name in ("inner", "lag", "beside", "weight")),
+        *((name, float) for name in ("beside", "inner", "lag", "minor")),
         ("softens", bool),
     ]
 )
@@ -72,14 +72,13 @@ def on_surfaces(row, stiffness, trial, centre, lag):
         if branch == ELASTIC and q == 0.0:
             return trial[0], trial[1], k0, 0.0, k1, 0.0, False
         # way to the bounding surface; flow times it; movement of the forces with t
-        y0, y1 = apart * n / size - a0, apart * m / size - a1
+        grow = apart / size
+        y0, y1 = grow * n - a0, grow * m - a1
         gap0, gap1 = (t0 - n) / k0, (t1 - m) / k1
         pull = gap0 * y0 + gap1 * y1
-        s0, s1 = apart / size, apart / size
-        v0 = y0 - nn * (s0 * t0 - a0) / k0 - nm * (s1 * t1 - a1) / k1
-        v1 = y1 - nm * (s0 * t0 - a0) / k0 - mm * (s1 * t1 - a1) / k1
-        bend = v0 * y0 / k0 + v1 * y1 / k1
-        bend -= apart / size * (gap0 * (v0 - y0) + gap1 * (v1 - y1))
+        u0, u1 = (grow * t0 - a0) / k0, (grow * t1 - a1) / k1
+        v0, v1 = y0 - nn * u0 - nm * u1, y1 - nm * u0 - mm * u1
+        bend = v0 * y0 / k0 + v1 * y1 / k1 - grow * (gap0 * (v0 - y0) + gap1 * (v1 - y1))
         off = lag * q - pull
         if high < 0.0:
             high = pull / lag if lag > 0.0 else 0.0
@@ -98,25 +97,26 @@ def resultant_response(row, strain, old, new):
 
     Arguments: a row of RESULTANT; committed state `old` (5, 2). Writes the trial state `new`.
     """
-    elastic, most, k = np.empty(2), np.empty(2), np.array([row.axial, row.bending])
+    whole, elastic, most = np.array([row.axial, row.bending]), np.empty(2), np.empty(2)
     for i in range(2):
-        elastic[i] = k[i] * (strain[i] - old[0, i])
+        elastic[i] = whole[i] * (strain[i] - old[0, i])
+    most[0], most[1] = old[4, 0], old[3, 0] if elastic[1] >= 0.0 else old[3, 1]
     share = 1.0
     if row.softens:
-        share = modulus(abs(old[2, 0]) / row.squash, 1.0 - row.weight * abs(old[2, 1]) / row.moment)
-    most[0], most[1] = old[4, 0], old[3, 0] if elastic[1] >= 0.0 else old[3, 1]
+        share = modulus(abs(old[2, 0]) / row.squash, 1.0 - row.minor * abs(old[2, 1]) / row.moment)
     off = 1.0 + old[4, 1] / (1.0 - row.inner) if row.inner < 1.0 else 1.0
     lag, centre = row.lag * off * off, (old[1, 0], old[1, 1])
-    trial, soft = elastic.copy(), np.abs(elastic) >= (1.0 - SAME) * most
+    k, trial, soft = whole.copy(), elastic.copy(), np.abs(elastic) >= (1.0 - SAME) * most
     for _ in range(FLAGS):
         for i in range(2):
-            k[i], trial[i] = (row.axial, row.bending)[i], elastic[i]
+            k[i], trial[i] = whole[i], elastic[i]
             if soft[i]:
-                beyond = share * (abs(elastic[i]) - most[i])
-                k[i], trial[i] = share * k[i], math.copysign(most[i] + beyond, elastic[i])
+                beyond = math.copysign(1.0, elastic[i]) * (abs(elastic[i]) - most[i])
+                k[i], trial[i] = share * whole[i], elastic[i] - (1.0 - share) * beyond
         n, m, nn, nm, mm, moved, yields = on_surfaces(
             row, (k[0], k[1]), (trial[0], trial[1]), centre, lag
         )
+        # what flow brings back to the largest force so far is elastic after all
         on0, on1 = abs(n) >= (1.0 - SAME) * most[0], abs(m) >= (1.0 - SAME) * most[1]
         if share == 1.0 or (on0 == soft[0] and on1 == soft[1]):
             break
