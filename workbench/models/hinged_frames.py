@@ -44,7 +44,6 @@ from workbench.structures.bars import (
 )
 from workbench.structures.fibers.section import spread_of_yield
 
-SAFE = 0.9  # of the Euler load of a pin-ended bar, which the squash load must not exceed
 IMPERFECT = 0.877  # AISC 360, E3: strength of a slender column over its Euler load
 NO_MOMENT_LOST = 0.25  # of the squash load, tension of a run; EN 1993-1-1, 6.2.9.1 (4)
 
@@ -56,7 +55,7 @@ class BarHinges(BarFrames):
     shear_flexible: bool = checked(Flag(), True)
 
     second_order: ClassVar[bool] = True
-    euler_share: ClassVar[float] = SAFE  # of a pin-ended bar, above its squash load; 0: any
+    euler_share: ClassVar[float] = 0.9  # of a pin-ended bar, that its squash load is kept below
     stretches: ClassVar[bool] = True  # whether hinges elongate plastically as they flow
     loses_moment: ClassVar[str] = ""  # what dead loads do that the model does not know
     in_cycles: ClassVar[str] = ""
