@@ -18,6 +18,7 @@ from workbench.models.hinged_frames import (
     QuasiPlasticHinge,
     RefinedPlasticHinge,
 )
+from workbench.models.resultant_frames import BoundingSurface, ModifiedTangentModulus
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_reissner import FiberReissner
@@ -101,6 +102,7 @@ QUASI, REFINED, FORCE, FIBER = (
     "force-based fibers",
     "fiber hinge",
 )
+BOUNDING, TANGENT = "bounding surface", "modified tangent modulus"
 CUBIC = "displacement-based fibers, 4 per member"
 models = {
     WEB: FiberShear(),
@@ -114,6 +116,8 @@ models = {
     FLEXIBLE: FlexibleSuperelement(shear="none"),
     FIBER: FiberHinge(),
     FORCE: ForceBasedBeam(),
+    BOUNDING: BoundingSurface(),
+    TANGENT: ModifiedTangentModulus(),
     CUBIC: FiberCorotational(
         element="lobatto", smallest_element=1.0, largest_element=1.0, refinement=0, levels=1
     ),
@@ -151,7 +155,7 @@ gates = tuple(
         BOUND,
         cases=of(event),
     )
-    for label in (HINGE, FORCE, FLEXIBLE)
+    for label in (HINGE, FORCE, BOUNDING, FLEXIBLE)
     for event in EVENTS
 )
 ALL = tuple(models)
@@ -169,7 +173,7 @@ figures = (
         "force-displacement",
         "To and fro",
         "Two swings of growing amplitude.",
-        (REFERENCE, HINGE, REFINED, FORCE),
+        (REFERENCE, HINGE, REFINED, FORCE, BOUNDING),
         {"cases": of(CYCLES)},
     ),
     Figure(

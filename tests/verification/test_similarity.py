@@ -37,7 +37,7 @@ REDUCED = (
 )
 REFERENCES = ("fiber-corotational", "fiber-reissner", "fiber-shear")
 FRAMES = ("giberson", "plastic-hinge", "refined-plastic-hinge", "quasi-plastic-hinge")
-FIBER_FRAMES = ("force-based-beam", "fiber-hinge")
+FIBER_FRAMES = ("force-based-beam", "fiber-hinge", "bounding-surface", "modified-tangent-modulus")
 EXPONENTS = {"peak_displacement": 1, "residual_displacement": 1, "time_of_peak": 1, "impulse": 3}
 
 

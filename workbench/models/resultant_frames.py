@@ -48,6 +48,10 @@ class Resultants(BarHinges):
 
     second_order: ClassVar[bool] = False
     euler_share: ClassVar[float] = 1.0 / 16.0
+    loses_moment: ClassVar[str] = (
+        "the super-ellipse is some percent off the section there, on laden members up to a quarter "
+        "of the peak"
+    )
 
     def curve(self, frame: Frame, piece: Piece, joint_governs: bool) -> Array:
         """The super-ellipse."""
