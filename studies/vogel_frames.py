@@ -96,7 +96,7 @@ MESH = {"smallest_element": 0.01, "largest_element": 0.25, "levels": 1}
 REFERENCE = "fibers with residual stress"
 REFINED = "refined plastic hinge"
 models = {
-    REFERENCE: FiberReissner(residual_stress="triangular", **MESH),
+    REFERENCE: FiberReissner(residual_stress="triangular", **MESH | {"levels": 2}),
     "fibers": FiberReissner(**MESH),
     "fibers that yield in shear": FiberShear(residual_stress="triangular", **MESH),
     "cubic fiber beam": FiberCorotational(smallest_element=0.1, largest_element=0.25, levels=1),

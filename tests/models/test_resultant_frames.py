@@ -16,6 +16,7 @@ from workbench.references.fiber_corotational import FiberCorotational
 from workbench.responses import findings_of
 from workbench.scenarios import FrameImpact, FrameStriker, Load, regular_frame
 from workbench.sections import find, square
+from workbench.study import load_study
 
 pytestmark = pytest.mark.usefixtures("few_load_steps")
 FINE = {"smallest_element": 0.03, "largest_element": 0.1, "levels": 1, "refinement": 0}
@@ -114,3 +115,18 @@ def test_moment_about_the_minor_axis_softens() -> None:
     assert np.all(minor[1:] <= major[1:] * (1.0 + 1e-9))
     assert minor[-1] < 0.975 * major[-1]
     assert float(major.max()) < MP / 4.0
+
+
+@pytest.mark.slow
+def test_no_answer_on_drawn_frames_is_far_off_in_silence() -> None:
+    """Peaks more than 10 % off the web-yielding frame come with a warning, on 60 drawn frames."""
+    drawn = load_study("drawn_frames").study
+    for case in drawn.cases[:60]:
+        reference = drawn.models[drawn.reference].simulate(case.scenario)
+        if reference.attrs["outcome"] != "ok":
+            continue
+        for model in (BoundingSurface(), ModifiedTangentModulus()):
+            response = model.simulate(case.scenario)
+            peak = float(response.get("peak_displacement", np.nan))
+            error = peak / float(reference["peak_displacement"]) - 1.0
+            assert abs(error) < 0.1 or findings_of(response), (case.name, model.name, error)

@@ -32,7 +32,7 @@ COMMON = (
     "elements, as many as keep its squash load below 1/16 of the Euler load of one.",
     "Super-elliptic surface of the fully plastic section; joints turn elastically, their strength "
     "is that of the member.",
-    "No shear yielding, no local buckling, no strain-rate effect.",
+    "No shear yielding, no local buckling; strain rate by one factor.",
 )
 
 
