@@ -11,14 +11,18 @@ import numpy as np
 
 from workbench.assessment import Gate
 from workbench.cli import main
-from workbench.models.fiber_frames import FiberHinge, ForceBasedBeam
+from workbench.models.fiber_frames import (
+    BoundingSurface,
+    FiberHinge,
+    ForceBasedBeam,
+    ModifiedTangentModulus,
+)
 from workbench.models.hinged_frames import (
     Giberson,
     PlasticHinge,
     QuasiPlasticHinge,
     RefinedPlasticHinge,
 )
-from workbench.models.resultant_frames import BoundingSurface, ModifiedTangentModulus
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_reissner import FiberReissner

@@ -10,8 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from workbench.errors import CollapseError, InputError
-from workbench.models.practice.biggs import Biggs
-from workbench.models.practice.direct_shear import slip_resistance, slips
+from workbench.models.practice.biggs import Biggs, slip_resistance, slips
 from workbench.responses import Outcome, findings_of, outcome_of
 from workbench.scenarios import Column, ColumnImpact, MemberPulse, Pulse, Striker
 from workbench.sections import find

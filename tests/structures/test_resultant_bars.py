@@ -260,7 +260,9 @@ def test_tangent_modulus_under_axial_force_in_closed_form() -> None:
     assert errors[0] / errors[2] == pytest.approx(4.0, rel=0.25)  # modulus of the last step
 
 
-@pytest.mark.parametrize(("p", "m", "weight"), [(0.3, 0.0, 0.0), (0.6, -0.2, 0.0), (0.5, 0.3, 0.65)])
+@pytest.mark.parametrize(
+    ("p", "m", "weight"), [(0.3, 0.0, 0.0), (0.6, -0.2, 0.0), (0.5, 0.3, 0.65)]
+)
 def test_stiffness_is_the_relation_and_unloading_elastic(p, m, weight) -> None:
     bars = group(1.0, 0.0, softens=True, weight=weight)
     point = Point(bars)

@@ -12,9 +12,9 @@ from math import hypot
 import pytest
 
 from workbench.models import frame_model
+from workbench.models.fiber_frames import BoundingSurface, ModifiedTangentModulus
 from workbench.models.frame_model import FrameModel
 from workbench.models.hinged_frames import PlasticHinge, RefinedPlasticHinge
-from workbench.models.resultant_frames import BoundingSurface, ModifiedTangentModulus
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.study import load_study
 

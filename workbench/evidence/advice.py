@@ -12,13 +12,12 @@ from functools import lru_cache
 from typing import Any
 
 from workbench.errors import InputError, WorkbenchError
-from workbench.evidence.at_rest import creeping
 from workbench.evidence.descriptors import DEMAND, features
 from workbench.evidence.error_model import ExpectedError, anchor_error, expected_error
 from workbench.evidence.error_table import ANCHOR, FINEST, REFERENCE, TABLES
 from workbench.frames.runs import LARGEST_SHEAR_STRAIN
 from workbench.models.base import Model
-from workbench.models.strain_rate import with_strain_rate
+from workbench.models.strain_rate import creeping, with_strain_rate
 from workbench.registry import make_model
 from workbench.responses import (
     Finding,
