@@ -11,19 +11,22 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
-from workbench.errors import InputError, WorkbenchError
+from workbench.errors import InputError, OutOfDomainError, WorkbenchError
 from workbench.evidence.descriptors import DEMAND, features
 from workbench.evidence.error_model import ExpectedError, anchor_error, expected_error
 from workbench.evidence.error_table import ANCHOR, FINEST, REFERENCE, TABLES
 from workbench.frames.runs import LARGEST_SHEAR_STRAIN
 from workbench.models.base import Model
-from workbench.models.strain_rate import creeping, with_strain_rate
+from workbench.models.resistance import column_curve
+from workbench.models.strain_rate import with_strain_rate
 from workbench.registry import make_model
 from workbench.responses import (
     Finding,
+    Outcome,
     Response,
     finding,
     findings_of,
+    outcome_of,
     refusal_message,
     set_findings,
     survives,
@@ -31,6 +34,7 @@ from workbench.responses import (
 from workbench.scenarios import ColumnImpact
 
 ORDER = (ANCHOR, REFERENCE, FINEST)
+REMAINING = ("residual_displacement", "displacement", "peak_displacement")
 CLOSE = "close-to-collapse"  # subject
 NONE = "no model of more trust is inside its domain here"
 _BECAUSE = {  # subjects of warnings that a measured error replaces, as its cause
@@ -225,3 +229,26 @@ def _default_model(name: str) -> Model | None:
         return make_model(name)
     except InputError:
         return None
+
+
+def creeping(scenario: object, response: Response) -> list[Finding]:
+    """Return the finding of a column that stays where its static strength carries no axial load.
+
+    Overstress holds a column up only as long as it moves: behind the displacement at which the
+    static strength no longer carries the axial load it creeps on, slowly at first, beyond the end
+    of a record. Its analytic resistance with the static yield stress is lost at a smaller displacement (m) than
+    the one that remains, or, where that is not known, the last one or the peak.
+    """
+    if not isinstance(scenario, ColumnImpact) or outcome_of(response) is not Outcome.OK:
+        return []
+    column = scenario.column
+    if column.steel.rate is None or column.axial_load == 0.0:
+        return []
+    known = (name for name in REMAINING if name in response)
+    remaining = float(response[next(known)].values.reshape(-1)[-1])
+    static = replace(column, steel=replace(column.steel, rate=None))
+    try:
+        limit = column_curve(static, None, "analytic").lost_at
+    except OutOfDomainError:
+        return []
+    return [finding("creep", remaining, limit=limit)] if remaining > limit else []

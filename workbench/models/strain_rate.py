@@ -3,24 +3,18 @@
 The factor is that of the hinges, or of the sliding webs, of the struck member while striker and hit
 mass move at the velocity that they share after the hit, averaged by work over the bars and over the
 way in which the striker is slowed down. All strengths grow alike; stiffness, mass and axial load
-stay. Overstress holds a column up only as long as it moves: behind the displacement at which the
-static strength no longer carries the axial load it creeps on, slowly at first, beyond the end of a
-record. See docs/theory/strain-rate.md.
+stay. See docs/theory/strain-rate.md.
 """
 
 from dataclasses import replace
 from typing import Any
 
-from workbench.errors import OutOfDomainError
 from workbench.frames.column_estimate import column_like
 from workbench.hinges.rate import hinge_overstress, overstress_shape, panel_overstress
 from workbench.materials import CowperSymonds, Steel
 from workbench.models.domain import mechanism_demand
-from workbench.models.resistance import column_curve
-from workbench.responses import Finding, Outcome, Response, finding, outcome_of
+from workbench.responses import Finding, finding
 from workbench.scenarios import ColumnImpact, FrameImpact
-
-REMAINING = ("residual_displacement", "displacement", "peak_displacement")
 
 
 def with_strain_rate(model: Any, scenario: Any) -> tuple[Any, float, list[Finding]]:
@@ -107,24 +101,3 @@ def _struck(scenario: Any) -> ColumnImpact | None:
     if isinstance(scenario, ColumnImpact):
         return scenario
     return column_like(scenario) if isinstance(scenario, FrameImpact) else None
-
-
-def creeping(scenario: object, response: Response) -> list[Finding]:
-    """Return the finding of a column that stays where its static strength carries no axial load.
-
-    Its analytic resistance with the static yield stress is lost at a smaller displacement (m) than
-    the one that remains, or, where that is not known, the last one or the peak.
-    """
-    if not isinstance(scenario, ColumnImpact) or outcome_of(response) is not Outcome.OK:
-        return []
-    column = scenario.column
-    if column.steel.rate is None or column.axial_load == 0.0:
-        return []
-    known = (name for name in REMAINING if name in response)
-    remaining = float(response[next(known)].values.reshape(-1)[-1])
-    static = replace(column, steel=replace(column.steel, rate=None))
-    try:
-        limit = column_curve(static, None, "analytic").lost_at
-    except OutOfDomainError:
-        return []
-    return [finding("creep", remaining, limit=limit)] if remaining > limit else []
