@@ -234,10 +234,10 @@ def _default_model(name: str) -> Model | None:
 def creeping(scenario: object, response: Response) -> list[Finding]:
     """Return the finding of a column that stays where its static strength carries no axial load.
 
-    Overstress holds a column up only as long as it moves: behind the displacement at which the
-    static strength no longer carries the axial load it creeps on, slowly at first, beyond the end
-    of a record. Its analytic resistance with the static yield stress is lost at a smaller displacement (m) than
-    the one that remains, or, where that is not known, the last one or the peak.
+    Overstress holds a column up only as long as it moves: behind the displacement (m) at which its
+    analytic resistance with the static yield stress is lost it creeps on, slowly at first, beyond
+    the end of a record. Compared is the displacement that remains, or, where that is not known, the
+    last one or the peak.
     """
     if not isinstance(scenario, ColumnImpact) or outcome_of(response) is not Outcome.OK:
         return []
