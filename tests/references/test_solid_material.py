@@ -184,3 +184,34 @@ def test_material_turned_inside_out_has_no_answer(F: list[float]) -> None:
     assert np.isnan(respond(elements, u, old, new, steel, force, none).stored)
     assert isinstance(new, State)
     assert not new.plastic.any()
+
+
+TENSOR = st.tuples(*[st.floats(-0.05, 0.05)] * 3)
+
+
+@given(TENSOR, st.floats(0.0, 0.3), st.floats(-9.0, 0.0), st.floats(1.0, 10.0), st.booleans())
+@examples(300)
+def test_a_return_with_a_rate_meets_the_law(
+    strain: tuple[float, ...], hardened: float, size: float, exponent: float, hardens: bool
+) -> None:
+    """Overstress of the plastic strain of the step, along the normal, and never negative work."""
+    H, reference = 0.01 * E if hardens else 0.0, 10.0**size
+    steel = SolidSteel(E, NU, FY, H, reference, exponent)
+    back = material.return_mapping(Tensor(*strain), hardened, steel)
+    stress = equivalent(np.array(back.stress))
+    p = back.hardened - hardened
+    if back.gamma == 0.0:
+        assert stress <= (FY + H * hardened) * (1.0 + 1e-12)
+        return
+    plastic = material.return_mapping(Tensor(*strain), hardened, SolidSteel(E, NU, FY, H))
+    assert p < plastic.hardened - hardened
+    law = FY * (1.0 + (2.0 / 3.0 * back.gamma * stress / reference) ** (1.0 / exponent))
+    assert stress == pytest.approx(law + H * back.hardened, rel=1e-10)
+    assert np.dot(back.stress, back.flow) == pytest.approx(stress * p, rel=1e-6, abs=1e-9 * FY)
+
+
+def test_a_steel_of_infinite_reference_rate_is_the_static_one() -> None:
+    for strain in ((0.01, -0.002, 0.03), (0.0, 0.0, 0.02)):
+        fast = material.return_mapping(Tensor(*strain), 0.0, SolidSteel(E, NU, FY, 0.0, 1e24, 5.0))
+        still = material.return_mapping(Tensor(*strain), 0.0, SolidSteel(E, NU, FY, 0.0))
+        np.testing.assert_allclose(fast.stress, still.stress, rtol=0.0, atol=1e-4 * FY)

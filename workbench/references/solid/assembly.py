@@ -37,11 +37,10 @@ class SolidAssembly:
         hardening_ratio: float,
         mass: Array | None = None,
     ) -> None:
-        self.mesh, self.supports, self.hardening_ratio = mesh, supports, hardening_ratio
-        modulus = steel.elastic_modulus
-        self.steel = SolidSteel(
-            modulus, POISSON_RATIO, steel.yield_stress, hardening_ratio * modulus
-        )
+        self.mesh, self.supports, modulus = mesh, supports, steel.elastic_modulus
+        hardening = steel.hardening_modulus or hardening_ratio * modulus
+        self.rate, self.hardening_ratio = steel.rate, hardening / modulus
+        self.steel = SolidSteel(modulus, POISSON_RATIO, steel.yield_stress, hardening)
         self.squash_load = steel.yield_stress * mesh.area
         # strain is a difference of numbers near 1
         self.round_off = 8.0 * np.finfo(float).eps * modulus * mesh.area
@@ -129,8 +128,11 @@ class SolidAssembly:
         """Product of the mass matrix with x (unknowns,)."""
         return np.asarray(self.mass * x)
 
-    def begin_step(self, _duration: float) -> None:
-        """The steel does not depend on rates."""
+    def begin_step(self, duration: float) -> None:
+        """Let the steel flow at a rate from now on, in explicit steps of that `duration` (s)."""
+        if self.rate is not None:
+            flow, exponent = self.rate.reference_rate * duration, self.rate.exponent
+            self.steel = self.steel._replace(reference_flow=flow, exponent=exponent)
 
     def account(self, end: Array, _weight: float) -> StepEnergies:
         """Energies of the step to `end`, with the mean of the stresses at both ends."""

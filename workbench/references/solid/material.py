@@ -19,12 +19,18 @@ SQUEEZE_STIFFNESS = 0.002  # over Young's modulus
 
 
 class SolidSteel(NamedTuple):
-    """Young's modulus (Pa), Poisson's ratio, yield stress and isotropic hardening modulus (Pa)."""
+    """Young's modulus (Pa), Poisson's ratio, yield stress and isotropic hardening modulus (Pa).
+
+    Of a step with strain rate: `reference_flow` D dt, equivalent plastic strain at which the
+    overstress is the yield stress, infinite without a rate; `exponent` q of the law.
+    """
 
     modulus: float
     poisson: float
     yield_stress: float
     hardening: float
+    reference_flow: float = np.inf
+    exponent: float = 1.0
 
 
 class Tensor(NamedTuple):
@@ -81,13 +87,62 @@ def von_mises_squared(stress: Tensor) -> float:
 
 
 @njit(cache=True, error_model="numpy")
+def _multiplier(a: float, b: float, strength: float, k1: float, k2: float, H: float) -> float:
+    """Multiplier of the return to a surface of that `strength` and hardening; NaN: none found.
+
+    The square of the equivalent stress is a / (1 + k1 gamma)^2 + b / (1 + k2 gamma)^2.
+    """
+    gamma = 0.0
+    # strength / stress(gamma) - 1 + 2/3 H gamma is concave and rises: Newton from 0 is safe
+    for _ in range(RETURN_ITERATIONS):
+        l1, l2 = 1.0 + k1 * gamma, 1.0 + k2 * gamma
+        square = a / l1**2 + b / l2**2
+        value = strength / np.sqrt(square) - 1.0 + 2.0 / 3.0 * H * gamma
+        if value > -CLOSED:
+            return gamma
+        slope = strength * (a * k1 / l1**3 + b * k2 / l2**3) / square**1.5 + 2.0 / 3.0 * H
+        gamma -= value / slope
+    return np.nan
+
+
+@njit(cache=True, error_model="numpy")
+def _overstress(
+    a: float, b: float, strength: float, k1: float, k2: float, steel: SolidSteel
+) -> float:
+    """Overstress x over the yield stress at the end of a step; NaN where none is found.
+
+    p(x), the plastic strain of the return to the surface grown by it, is D dt x^q: the difference
+    falls and is concave but for round-off, so that Newton comes down from an upper bound.
+    """
+    fy, H, flow, q = steel.yield_stress, steel.hardening, steel.reference_flow, steel.exponent
+    x = (np.sqrt(a + b) - strength) / fy
+    for k in range(RETURN_ITERATIONS):
+        gamma = _multiplier(a, b, strength + (fy * x if k else 0.0), k1, k2, H)
+        l1, l2 = 1.0 + k1 * gamma, 1.0 + k2 * gamma
+        stress = np.sqrt(a / l1**2 + b / l2**2)
+        p = 2.0 / 3.0 * gamma * stress
+        if k == 0:  # without any overstress: the largest plastic strain
+            x = min(x, (p / flow) ** (1.0 / q))
+            continue
+        fall = (a * k1 / l1**3 + b * k2 / l2**3) / stress  # - d stress / d gamma
+        growth = 2.0 / 3.0 * (stress / fall - gamma)  # - dp / d stress
+        step = (p - flow * x**q) / (growth * fy / (1.0 + H * growth) + q * flow * x ** (q - 1.0))
+        x = max(x + step, 0.0)
+        if abs(step) <= 4.0 * CLOSED * (1.0 + x):
+            return x
+    return np.nan
+
+
+@njit(cache=True, error_model="numpy")
 def return_mapping(elastic: Tensor, hardened: float, steel: SolidSteel) -> Returned:
-    """Simo-Taylor return to the von Mises yield surface in plane stress.
+    """Simo-Taylor return to the von Mises yield surface in plane stress, grown by strain rate.
 
     Arguments: strain less the plastic strain at the start, `elastic`; equivalent plastic strain
-    `hardened` at the start; `steel`.
+    `hardened` at the start; `steel`. With a rate the strength is fy (1 + x) + H times the
+    equivalent plastic strain, x = (p / D dt)^(1/q) by that of the step, p: Perzyna's form of the
+    law of Cowper and Symonds, backward Euler.
     """
-    E, nu, fy, H = steel
+    E, nu, fy, H = steel.modulus, steel.poisson, steel.yield_stress, steel.hardening
     e1, e2, e3 = elastic
     double_shear, bulk = E / (1.0 + nu), E / (1.0 - nu)
     # eigenvectors of elasticity and of the yield function: (1, 1, 0), (-1, 1, 0), (0, 0, 1)
@@ -95,20 +150,11 @@ def return_mapping(elastic: Tensor, hardened: float, steel: SolidSteel) -> Retur
     a, b = 0.25 * eta1**2, 0.75 * eta2**2 + 3.0 * shear**2
     strength = fy + H * hardened
     k1, k2 = bulk / 3.0, double_shear
-    gamma, l1, l2, outside = 0.0, 1.0, 1.0, True
-    # strength / stress(gamma) - 1 + 2/3 H gamma is concave and rises: Newton from 0 is safe
-    for _ in range(RETURN_ITERATIONS):
-        l1, l2 = 1.0 + k1 * gamma, 1.0 + k2 * gamma
-        square = a / l1**2 + b / l2**2
-        value = strength / np.sqrt(square) - 1.0 + 2.0 / 3.0 * H * gamma
-        outside = not value > -CLOSED
-        if not outside:
-            break
-        slope = strength * (a * k1 / l1**3 + b * k2 / l2**3) / square**1.5 + 2.0 / 3.0 * H
-        gamma -= value / slope
-    if outside:
-        gamma = np.nan
-    eta1, eta2, shear = eta1 / l1, eta2 / l2, shear / l2
+    if steel.reference_flow < np.inf and a + b > strength**2:
+        strength += fy * _overstress(a, b, strength, k1, k2, steel)
+    gamma = _multiplier(a, b, strength, k1, k2, H)
+    eta1, eta2 = eta1 / (1.0 + k1 * gamma), eta2 / (1.0 + k2 * gamma)
+    shear /= 1.0 + k2 * gamma
     stress = Tensor(0.5 * (eta1 - eta2), 0.5 * (eta1 + eta2), shear)
     n1, n2, n3 = normal(stress)
     flow = Tensor(gamma * n1, gamma * n2, gamma * n3)
@@ -125,8 +171,8 @@ def normal(stress: Tensor) -> Tensor:
 
 @njit(cache=True, error_model="numpy")
 def add_return_tangent(back: Returned, steel: SolidSteel, C: Array) -> None:
-    """Add the consistent tangent of a return to C (3, 3)."""
-    E, nu, _, H = steel
+    """Add the consistent tangent of a return without strain rate to C (3, 3)."""
+    E, nu, H = steel.modulus, steel.poisson, steel.hardening
     gamma = back.gamma
     double_shear, bulk = E / (1.0 + nu), E / (1.0 - nu)
     x1 = bulk / (1.0 + bulk / 3.0 * gamma)

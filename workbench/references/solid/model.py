@@ -85,7 +85,7 @@ class SolidPlaneStress(Declared, table="option"):
     levels: int = checked(LEVELS, 2)
 
     name: ClassVar[str] = "solid-plane-stress"
-    material: ClassVar[tuple[str, ...]] = ("static strength",)
+    material: ClassVar[tuple[str, ...]] = ("rate", "hardening")
     version: ClassVar[int] = 2
     judged: ClassVar[bool] = False
     answers: ClassVar[tuple[str, ...]] = (ColumnPushover.KIND, ColumnImpact.KIND)
@@ -97,8 +97,9 @@ class SolidPlaneStress(Declared, table="option"):
         "Elastic stiffness and strength are both those of the strength section; the mass is that "
         "of the rolled profile, spread over the meshed section.",
         "End sections are rigid plates, clamped or turning about their centroid; the hit section "
-        "moves sideways as one, where the striker meets it. No local denting, no rate effect, no "
-        "fracture.",
+        "moves sideways as one, where the striker meets it. No local denting, no fracture.",
+        "A struck solid flows at the rate law of the steel, if it has one, by the equivalent "
+        "plastic strain; the hardening modulus of the steel goes before `hardening_ratio`.",
         "Perfect plasticity has no length of its own: plastic kinks shrink with the mesh, the web "
         "is crushed in them, and resistance governed by bending falls with each refinement; a "
         "hardening_ratio of 0.01 makes it converge.",
