@@ -154,7 +154,7 @@ class Instance(Rule):
         """Return the object; what files give in its stead, a name or a table, becomes one."""
         named = self.read is not None and isinstance(value, (str, Mapping))
         if self.read is not None and named and not self._accepts(value):
-            return self.read(value, path)
+            value = self.read(value, path)
         return super().check(path, value)
 
     def _accepts(self, value: Any) -> bool:

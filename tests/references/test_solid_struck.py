@@ -12,7 +12,7 @@ from scipy.sparse import diags_array
 from scipy.sparse.linalg import eigsh
 
 from workbench.errors import SolverError
-from workbench.materials import Steel
+from workbench.materials import MILD_STEEL, Steel
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.references.fiber_shear import FiberShear
 from workbench.references.solid import SolidPlaneStress
@@ -255,3 +255,20 @@ def test_no_answer_is_an_error_that_says_where() -> None:
     inside_out[solid.supports.head] = -3.0
     with pytest.raises(SolverError, match="turned inside out"):
         solid.resist(inside_out)
+
+
+# --- strain rate ----------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_panels_with_one_factor_meet_the_solid_with_a_rate() -> None:
+    """An HEA 180 whose web yields at 2.5 times its shear resistance, of mild steel."""
+    column = Column(find("HEA 180"), 0.6, 2.4, Steel(rate=MILD_STEEL))
+    solid = strike(column, 424.0, 10.0, 0.05)
+    static = strike(replace(column, steel=Steel()), 424.0, 10.0, 0.05)
+    hit = ColumnImpact("strike", column, Striker(424.0, 10.0), 0.05)
+    panels = FlexibleSuperelement().simulate(hit)
+    peak = float(solid["peak_displacement"])
+    assert abs(energy_error(solid) or 0.0) < 0.01
+    assert peak < 0.8 * float(static["peak_displacement"])
+    assert float(panels["peak_displacement"]) == pytest.approx(peak, rel=0.08)

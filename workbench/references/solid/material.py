@@ -129,7 +129,7 @@ def _overstress(
         step = (p - flow * x**q) / (growth * fy / (1.0 + H * growth) + q * flow * x ** (q - 1.0))
         x = max(x + step, 0.0)
         if abs(step) <= 4.0 * CLOSED * (1.0 + x):
-            return x
+            return float(x)
     return np.nan
 
 
