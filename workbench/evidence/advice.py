@@ -36,7 +36,6 @@ from workbench.scenarios import ColumnImpact
 ORDER = (ANCHOR, REFERENCE, FINEST)
 REMAINING = ("residual_displacement", "displacement", "peak_displacement")
 CLOSE = "close-to-collapse"  # subject
-REMAINING = ("residual_displacement", "displacement", "peak_displacement")
 NONE = "no model of more trust is inside its domain here"
 _BECAUSE = {  # subjects of warnings that a measured error replaces, as its cause
     "buckling": "the axial load bends what is deflected",
@@ -135,28 +134,6 @@ def _about(error: ExpectedError, causes: str) -> Iterator[Finding]:
         yield finding(name, error.chance, parts=parts, error=error, causes=causes, chance=chance)
     if error.near_collapse:
         yield finding(CLOSE, anchor=error.anchor)
-
-
-def creeping(scenario: object, response: Response) -> list[Finding]:
-    """Return the finding of a column that stays where its static strength carries no axial load.
-
-    Overstress holds a column up only as long as it moves: behind that displacement it creeps on.
-    Its analytic resistance with the static yield stress is lost at a smaller displacement (m) than
-    the one that remains, or, where that is not known, the last one or the peak.
-    """
-    if not isinstance(scenario, ColumnImpact) or outcome_of(response) is not Outcome.OK:
-        return []
-    column = scenario.column
-    if column.steel.rate is None or column.axial_load == 0.0:
-        return []
-    known = (name for name in REMAINING if name in response)
-    remaining = float(response[next(known)].values.reshape(-1)[-1])
-    static = replace(column, steel=replace(column.steel, rate=None))
-    try:
-        limit = column_curve(static, None, "analytic").lost_at
-    except OutOfDomainError:
-        return []
-    return [finding("creep", remaining, limit=limit)] if remaining > limit else []
 
 
 def with_remedies(model: Any, scenario: Any, findings: Iterable[Finding]) -> list[Finding]:
