@@ -247,7 +247,7 @@ KEYS = {
         "shear_utilisation",
     ),
     *("warnings", "refusals", "wall_time", "provenance", "numerical_uncertainty", "refinement"),
-    "error",
+    *("error", "headline", "reference"),
     "rate_factor",
     *("largest_drift", "largest_plastic_rotation", "largest_compression", "largest_tension"),
     *("places", "hinges", "drift", "struck", "largest_sliding"),
@@ -424,7 +424,7 @@ def test_a_collapse_is_an_answer(
     assert run(arguments) == 0
     text = capsys.readouterr().out
     assert "geometry (below)" in text
-    assert "four-dof-shear, collapse" in text
+    assert "collapses: geometry (below); by four-dof-shear, as asked" in text
 
 
 def test_a_broken_catalogue_is_status_1(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import runpy
 import tomllib
 from pathlib import Path
 
@@ -76,3 +77,41 @@ def test_the_ground_near_a_fault_is_printed_as_a_motion(capsys: pytest.CaptureFi
     assert ground["time_step"] == pytest.approx(0.01)
     assert run(["new", "near-fault", "--amplitude", "1.0", "--frequency", "0"]) == 2
     assert "frequency = 0.0: must be a number from 0.01" in capsys.readouterr().err
+
+
+STARTS = {"column": "four-dof", "frame": "rigid-superelement", "pulse": "biggs"}
+
+
+@pytest.mark.parametrize("kind", STARTS)
+def test_a_scenario_to_start_from_runs(
+    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["new", kind]) == 0
+    file, picture = tmp_path / f"{kind}.toml", tmp_path / "answer.svg"
+    file.write_text(capsys.readouterr().out, encoding="utf-8")
+    command = ["simulate", str(file), "--model", STARTS[kind], "--plot", str(picture)]
+    assert run(command) == 0
+    text = capsys.readouterr().out
+    assert f"stands; by {STARTS[kind]}, as asked" in text
+    assert "<svg" in picture.read_text(encoding="utf-8")
+
+
+def test_a_study_to_start_from_can_be_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from workbench.study import cells_of, load_study
+
+    assert run(["new", "study"]) == 0
+    file = tmp_path / "mine.py"
+    file.write_text(capsys.readouterr().out, encoding="utf-8")
+    assert len(cells_of(load_study(str(file)).study)) == 9
+
+
+def test_a_model_to_start_from_keeps_the_contract(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["new", "model"]) == 0
+    file = tmp_path / "my_model.py"
+    file.write_text(capsys.readouterr().out, encoding="utf-8")
+    runpy.run_path(str(file), run_name="__main__")
+    assert "my-spring" in capsys.readouterr().out

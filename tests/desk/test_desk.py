@@ -93,7 +93,7 @@ def test_a_collapse_is_an_answer_without_numbers(column: Any) -> None:
     assert answer.outcome is Outcome.COLLAPSE
     assert answer.collapse.displacement > 0.0
     assert np.isnan(answer.number("peak_displacement"))
-    assert "collapses (geometry: below)" in answer.headline
+    assert "collapses: geometry (below)" in answer.headline
     with pytest.raises(InputError, match="Collapse in four-dof"):
         answer.plot.history()
     assert isinstance(answer.plot.structure(), Axes)

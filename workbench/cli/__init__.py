@@ -71,7 +71,7 @@ def _application() -> Callable[..., Any]:
     import typer
 
     from workbench import __version__
-    from workbench.cli import chart, data, doctor, fit, limit, models, simulate, studies
+    from workbench.cli import chart, data, doctor, fit, limit, models, new, simulate, studies
 
     app = typer.Typer(
         add_completion=False,
@@ -98,7 +98,7 @@ def _application() -> Callable[..., Any]:
     for function in (studies.run, studies.status, studies.report, studies.validate):
         app.command(function.__name__)(function)
     app.add_typer(fit.app, name="fit")
-    app.add_typer(data.templates, name="new")
+    app.add_typer(new.app, name="new")
     app.add_typer(data.app, name="data")
     app.add_typer(chart.app, name="chart")
     app.command("doctor")(doctor.doctor)

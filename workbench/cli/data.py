@@ -1,15 +1,15 @@
-"""`workbench data` and `new`: the catalogue, one's own tables, and templates to fill in."""
+"""`workbench data`: the catalogue, and one's own tables."""
 
 import dataclasses
 import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import typer
 
-from workbench.cli.output import Answer, Json, Names, option, verb, writable
+from workbench.cli.output import Answer, Names, option, verb, writable
 from workbench.cli.studies import StoreRoot
 from workbench.content.tree import (
     Block,
@@ -24,9 +24,6 @@ from workbench.content.tree import (
 
 app = typer.Typer(
     help="Show, check and extend the data catalogue.", rich_markup_mode=None, no_args_is_help=False
-)
-templates = typer.Typer(
-    help="Print a template to fill in.", rich_markup_mode=None, no_args_is_help=False
 )
 
 
@@ -191,108 +188,3 @@ def check(
         texts = [*problems, f"{len(datasets())} datasets, {len(problems)} problems."]
         failed = bool(problems)
     return Answer(content, [Paragraph(text) for text in texts], int(failed))
-
-
-# -- workbench new: templates of tables and files, to be redirected into a file and filled ---------
-
-
-def _printed(text: str, as_json: bool) -> Answer:
-    """The template as it is: no line of a file may be wrapped."""
-    if not as_json:
-        sys.stdout.write(text)
-    return Answer({"template": text})
-
-
-@templates.command("impact-tests")
-@verb
-def impact_tests(as_json: Json = False) -> Answer:
-    """A table of impact tests on steel members, commented, with an example: for `data add`."""
-    from workbench.impact_tests.rows import TEMPLATE
-
-    return _printed(TEMPLATE.text, as_json)
-
-
-@templates.command("mapping")
-@verb
-def mapping_template(as_json: Json = False) -> Answer:
-    """A mapping file for a published table, for `workbench data add --mapping`."""
-    from workbench.intake.mapping import TEMPLATE
-
-    return _printed(TEMPLATE.read_text(encoding="utf-8"), as_json)
-
-
-@templates.command("striker")
-@verb
-def striker(
-    traffic: str = typer.Argument(metavar="TRAFFIC", help="Such as motorway, urban or garage."),
-    distance: float = option("From where it leaves its lane to the column, m.", 0.0, "M"),
-    deceleration: float = option("On this way, m/s2.", 3.0, "A"),
-    angle: float = option("To the road, degrees.", 10.0, "DEGREES"),
-    as_json: Json = False,
-) -> Answer:
-    """A vehicle of EN 1991-1-7, Table C.2, as the table [striker] of a scenario."""
-    from workbench.scenarios.traffic import TRAFFIC, design_striker
-
-    made = design_striker(traffic, distance, deceleration, angle)
-    text = (
-        f"# {TRAFFIC[traffic].title}: EN 1991-1-7, Table C.2, recalled and not verified in print\n"
-        f"# braked by {deceleration:g} m/s2, {distance:g} m from its lane, at {angle:g} degrees\n"
-        f"[striker]\nmass = {made.mass!r}\nvelocity = {made.velocity:.9g}\n"
-    )
-    return _printed(text, as_json)
-
-
-@templates.command("missile")
-@verb
-def missile(
-    file: Path = typer.Argument(metavar="FILE", help="station_m,mass_kg_per_m,crushing_force_N"),
-    velocity: float = option("At which it hits, m/s.", ..., "V"),
-    as_json: Json = False,
-) -> Answer:
-    """The force of a missile that crushes at a rigid wall (Riera), as the table [pulse]."""
-    from workbench.datafiles import open_input
-    from workbench.scenarios.load_histories import missile_of, missile_pulse
-
-    with open_input(file, "missile") as stream:
-        pulse = missile_pulse(missile_of(stream.read(), str(file)), velocity)
-    text = (
-        f"# {file.name} at {velocity:g} m/s: {pulse.whole:.6g} N s in {pulse.end:.4g} s\n"
-        f'[pulse]\nshape = "table"\npeak = {pulse.peak:.9g}\nload = "point"\n'
-        f"times = {_listed(pulse.times or ())}\nfactors = {_listed(pulse.factors or ())}\n"
-    )
-    return _printed(text, as_json)
-
-
-@templates.command("near-fault")
-@verb
-def near_fault(
-    amplitude: float = option("Of the velocity, m/s.", ..., "A"),
-    frequency: float = option("Of the wave, Hz.", ..., "F"),
-    cycles: float = option("Periods of the wave in the pulse.", 2.0, "GAMMA"),
-    phase: float = option("Of the wave, degrees.", 90.0, "NU"),
-    as_json: Json = False,
-) -> Answer:
-    """The ground near a fault (Mavroeidis and Papageorgiou), as the table [ground] of a frame."""
-    from workbench.scenarios.load_histories import near_fault_motion
-
-    step, acceleration = near_fault_motion(amplitude, frequency, cycles, phase)
-    text = f"[ground]\ntime_step = {step!r}\nacceleration = {_listed(acceleration)}\n"
-    return _printed(text, as_json)
-
-
-def _listed(numbers: Iterable[float]) -> str:
-    return "[" + ", ".join(f"{number:.12g}" for number in numbers) + "]"
-
-
-@templates.command("studs")
-@verb
-def studs(
-    kind: str = option(
-        "strength, load-slip, residual, fatigue, combined or deck.", "strength", "NAME"
-    ),
-    as_json: Json = False,
-) -> Answer:
-    """A table of tests on studs, commented, with an example: for `workbench fit`."""
-    from workbench.studs.schema import template
-
-    return _printed(template(kind), as_json)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from workbench.cli.output import Answer, Names, option, verb
+from workbench.cli.output import Answer, Names, at_work, option, verb
 from workbench.cli.simulate import Options, ScenarioFile, Settings, pairs_of, warnings
 from workbench.content.tree import Block, Cell, Column, Paragraph, Table
 from workbench.errors import InputError
@@ -63,9 +63,10 @@ def limit(
         return load_scenario(scenario, [*(settings or []), f"{over}={value!r}"])
 
     checked = [scenario_at(end) for end in ends]  # both, before the work
-    names = model or [choose(load_scenario(scenario, settings or [])).model]
-    models = [make_model(each, pairs_of("--option", options)) for each in names]
-    limits = [find_limit(each, scenario_at, (ends[0], ends[1]), tolerance) for each in models]
+    with at_work("the search of the limit at work"):
+        names = model or [choose(load_scenario(scenario, settings or [])).model]
+        models = [make_model(each, pairs_of("--option", options)) for each in names]
+        limits = [find_limit(each, scenario_at, (ends[0], ends[1]), tolerance) for each in models]
     content = {
         "scenario": checked[0].name,
         "over": over,

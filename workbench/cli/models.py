@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from workbench.cli.output import Answer, verb
+from workbench.cli.output import Answer, at_work, verb
 from workbench.cli.simulate import ScenarioFile, Settings, warnings
 from workbench.content.bibliography import cited
 from workbench.content.tree import (
@@ -59,8 +59,9 @@ def advise(scenario: ScenarioFile, settings: Settings = None) -> Answer:
     given = load_scenario(scenario, settings or [])
     kinds = [offer.kind for offer in offers() if offer.kind is not None]
     fitting = [kind for kind in kinds if given.KIND in kind.answers and kind.name not in DATA]
-    findings = {kind.name: advise(kind(), given) for kind in fitting}
-    choice = choose(given)
+    with at_work("the advice at work"):
+        findings = {kind.name: advise(kind(), given) for kind in fitting}
+        choice = choose(given)
     if choice.model not in findings:
         raise InputError("kind", given.KIND, "no model in the order of trust answers it")
     best = None  # estimate of the peak

@@ -5,7 +5,9 @@ import inspect
 import json
 import os
 import sys
-from collections.abc import Callable, Iterable, Mapping
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -41,6 +43,23 @@ class Answer(NamedTuple):
     content: Mapping[str, Any]
     blocks: Iterable[Block] = ()
     status: int = 0
+
+
+@contextmanager
+def at_work(words: str, seconds: float = 2.0) -> Iterator[None]:
+    """Say on the error stream what is at work, once, if it takes longer than some seconds."""
+
+    def say() -> None:
+        text = f"workbench: {words} for {seconds:g} s; the first run of a model compiles it"
+        print(text, file=sys.stderr, flush=True)
+
+    timer = threading.Timer(seconds, say)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def verb(function: Callable[..., Answer]) -> Callable[..., int]:

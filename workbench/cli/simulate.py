@@ -1,21 +1,23 @@
-"""`workbench simulate`: one scenario, one model, one response."""
+"""`workbench simulate`: one scenario, its answer by one model or several."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import islice
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.output import Answer, Names, option, verb, writable
-from workbench.content.tree import Block, Callout, Definitions, Paragraph
+from workbench.cli.objects import as_object
+from workbench.cli.output import Answer, Names, at_work, option, verb, writable
+from workbench.content.tree import Block, Callout, Column, Definitions, Paragraph, Table
 from workbench.errors import InputError
 
 if TYPE_CHECKING:
     from workbench.assessment.variations import Budget
+    from workbench.desk.answers import Comparison
     from workbench.models.base import Model
     from workbench.responses import Response
     from workbench.scenarios import Scenario
@@ -28,34 +30,44 @@ ScenarioFile = Annotated[str, typer.Argument(metavar="SCENARIO.toml", help="Scen
 Settings = Annotated[Names, option("Override a value of the scenario.", ..., "KEY=VALUE", "--set")]
 Options = Annotated[Names, option("Set an option of the model.", ..., "KEY=VALUE", "--option")]
 _SEGMENTS = 4  # the most sheared ones, which the text names
+_ROWS = 5  # of an answer that is not shown in full
+PICTURES = ("png", "svg", "pdf")
 
 
 @verb
 def simulate(
     scenario: ScenarioFile,
-    model: str | None = option(
-        "Name of the model, see `workbench models`.  [default: as `workbench advise` says]", None
+    model: Names = option(
+        "Name of a model, see `workbench models`; several stand in one table.  "
+        "[default: as `workbench advise` says, beside the quickest reference]",
+        None,
     ),
     settings: Settings = None,
     options: Options = None,
+    full: bool = option("Show all numbers.", False, flag="--full"),
+    plot: str | None = option("Draw the answer.", None, "OUT.png|svg|pdf"),
     out: str | None = option("Write the whole response as netCDF.", None, "RUN.nc"),
     budget: bool = option(
         "Add what the errors of the answer may be, by source.", False, flag="--budget"
     ),
     spread: Names = option("How well an input is known, for the budget.", None, "KEY=SHARE"),
 ) -> Answer:
-    """Answer one scenario with one model, and its error.
+    """Answer one scenario: peak, interval, warnings.
 
-    Exit status 0 if the model answered (collapse is an answer), 1 if it did not (it says why), 2
-    for bad input.
+    Without a model the one that `workbench advise` names answers, and the quickest reference that
+    is inside its domain; several models stand in one table. Exit status 0 if the model answered
+    (collapse is an answer), 1 if one did not (it says why), 2 for bad input.
     """
     from workbench.assessment.variations import Budget
-    from workbench.evidence.advice import advised, choose
-    from workbench.registry import make_model
-    from workbench.responses import Outcome, outcome_of
+    from workbench.desk.answers import Comparison, asked, simulate
+    from workbench.evidence.advice import quick_reference
+    from workbench.responses import outcome_of
     from workbench.scenarios import load_scenario
 
+    if model and len(model) > 1 and (out or budget):
+        raise InputError("--model", ", ".join(model), "must be one for --out and --budget")
     target = None if out is None else writable("--out", out, "nc", inputs=[scenario])
+    picture = None if plot is None else writable("--plot", plot, *PICTURES, inputs=[scenario])
     if spread and not budget:
         raise InputError("--spread", spread[0], "is for --budget")
     spreads = pairs_of("--spread", spread, "velocity=0.1")
@@ -63,118 +75,98 @@ def simulate(
     given = load_scenario(scenario, settings or [])
     if errors is not None:
         errors.variations(given)
-    chosen = make_model(model or choose(given).model, pairs_of("--option", options))
-    response = advised(chosen, given, chosen.simulate(given))
-    outcome = outcome_of(response)
-    if outcome is Outcome.INVALID_INPUT:
-        raise InputError("scenario", given.name, response.attrs["message"])
+    values = pairs_of("--option", options)
+    chosen = {name: asked(name, **values) for name in model or ()}  # all, before the work
+    with at_work(f"{', '.join(model) if model else 'the model of the advice'} at work"):
+        answers = {name: simulate(given, each) for name, each in chosen.items()}
+        answers = answers or {"": simulate(given, **values)}
+    first = next(iter(answers.values()))
+    reference = "" if model else quick_reference(given)
+    if reference and reference != first.attrs["model"]:
+        with at_work(f"{reference}, a reference, at work"):
+            answers[reference] = simulate(given, reference)
     if target is not None:
         from workbench.study.store import to_netcdf_bytes, write_atomically
 
-        write_atomically(target, to_netcdf_bytes(response))
-    content = as_object(response, given)
-    shown = list(_blocks(given.name, content, target))
+        write_atomically(target, to_netcdf_bytes(first))
+    named = {each.attrs["model"]: each for each in answers.values()}
+    compared = Comparison(given, named, reference if reference in named else "")
+    if picture is not None:
+        compared.plot.save(picture)
+    status = int(not all(outcome_of(each).is_answer for each in answers.values()))
+    if model and len(model) > 1:
+        return Answer(_side_by_side(compared), _table(compared, picture), status)
+    content = as_object(first, given)
+    other = named[reference] if len(named) > 1 else None
+    content["reference"] = None if other is None else as_object(other, given)
+    shown = list(_blocks(first, given.name, content, full))
     if errors is not None:
         from workbench.report.chapters.budgets import simulated
 
-        terms = _budgeted(errors, chosen, given, response)
+        asked_model = asked(first.attrs["model"], **values)
+        terms = _budgeted(errors, asked_model, given, first)
         content["budget"] = {q: list(map(_plain, rows)) for q, rows in terms.items()}
-        shown += simulated({quantity: float(response[quantity]) for quantity in terms}, terms)
-    return Answer(content, shown, int(not outcome.is_answer))
+        shown += simulated({quantity: float(first[quantity]) for quantity in terms}, terms)
+    written = {"response": target, "picture": picture}
+    shown += [Paragraph(f"The {what} is in {file}.") for what, file in written.items() if file]
+    return Answer(content, shown, int(not outcome_of(first).is_answer))
 
 
-def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
-    """A response as one JSON object; what the model cannot know is null."""
-    from workbench.responses import ENERGIES, SCALARS, energy_error, findings_of, places_of
-    from workbench.responses.variables import INTEGRATORS, STUD_TESTS
-
-    def last(name: str) -> float | None:
-        return float(response[name].values.flat[-1]) if name in response else None
-
-    def attribute(name: str) -> dict[str, Any] | None:  # that not all models have
-        text = response.attrs.get(name)
-        return None if text is None else dict(json.loads(text))
-
-    shear = None
-    if "shear_utilisation" in response:
-        series = response["shear_utilisation"].to_series()
-        shear = {str(segment): float(value) for segment, value in series.items()}
-    special = (*STUD_TESTS, *INTEGRATORS, "input_energy")
-    structural = [name for name in SCALARS if name not in special]
-    result: dict[str, Any] = {
-        "model": response.attrs["model"],
-        "outcome": response.attrs["outcome"],
-        "message": response.attrs["message"],
-        "collapse": attribute("collapse"),
-        **{name: last(name) for name in structural},
-        "places": places_of(response),
-        **_parts(response, scenario),
-        "rate_factor": response.attrs.get("rate_factor"),
-        "error": attribute("error"),
-        "numerical_uncertainty": attribute("numerical_uncertainty"),
-        "refinement": attribute("refinement"),
-        "energies": {
-            **{name: last(name) for name in ENERGIES},
-            "input_energy": last("input_energy"),
-            "relative_balance_error": energy_error(response),
-        },
-        "shear_utilisation": shear,
-        "warnings": [f.as_dict() for f in findings_of(response) if not f.refusal],
-        "refusals": [f.as_dict() for f in findings_of(response) if f.refusal],
-        "wall_time": float(response.attrs["wall_time"]),
-        "provenance": {
-            **json.loads(response.attrs["provenance"]),
-            "model_version": int(response.attrs["model_version"]),
-            "options": json.loads(response.attrs["options"]),
-            "scenario": response.attrs["scenario"],
-            "scenario_hash": response.attrs["scenario_hash"],
-        },
-    }
-    if scenario.KIND == "stud-tests":
-        result |= {name: last(name) for name in STUD_TESTS}
-        result["answer"] = attribute("answer")
-    if scenario.KIND == "impact-problem":
-        result |= {name: last(name) for name in INTEGRATORS}
-    if scenario.STATIC:
-        for name in ("displacement", "force"):
-            result[name] = response[name].values.tolist() if name in response else None
-    return result
+def _side_by_side(compared: Comparison) -> dict[str, Any]:
+    """Several answers as one JSON object."""
+    given = compared.scenario
+    objects = [as_object(each, given) for each in compared.responses.values()]
+    return {"scenario": given.name, "models": objects}
 
 
-def _parts(response: Response, scenario: Scenario) -> dict[str, Any]:
-    """What hinges and storeys have gone through, and which members are struck."""
-    from workbench.scenarios import FrameImpact
-
-    hinges: dict[str, dict[str, Any]] = {}
-    for name in ("axial_force", "moment", "plastic_rotation"):
-        for table in [response[name]] if name in response else []:
-            for hinge, row in zip(table["hinge"].values, table.values + 0.0, strict=True):
-                hinges.setdefault(str(hinge), {})[name] = [float(row.min()), float(row.max())]
-    drift = dict(response["drift"].to_series()) if "drift" in response else {}
-    struck: list[str] = []
-    if isinstance(scenario, FrameImpact):
-        members, node = scenario.frame.members, scenario.striker.node
-        struck = [member.name for member in members if node in (member.start, member.end)]
-    return {
-        "hinges": hinges or None,
-        "drift": {str(upright): float(value) for upright, value in drift.items()} or None,
-        "struck": struck,
-    }
-
-
-def _blocks(name: str, answer: dict[str, Any], target: Path | None) -> Iterator[Block]:
+def _table(compared: Comparison, picture: Path | None) -> Iterator[Block]:
+    """Several answers as one table, their warnings below."""
+    from workbench.content.formatting import duration, in_unit
+    from workbench.desk.summary import TABLED, fate_of
     from workbench.evidence.error_model import ExpectedError
 
-    yield Paragraph(f"{name}: {answer['model']}, {answer['outcome']}")
+    objects = _side_by_side(compared)["models"]
+    fates = {name: fate_of(each) for name, each in compared.responses.items()}
+
+    def cell(name: str) -> Column:
+        def text(row: Mapping[str, Any]) -> str | None:
+            return None if row[name] is None else in_unit(row[name], name, 3)
+
+        return Column(name.replace("_", " "), True, 1.0, text)
+
+    columns = (
+        Column("model", width=1.5, of=lambda row: row["model"]),
+        Column("fate", width=1.0, of=lambda row: fates[row["model"]]),
+        *map(cell, TABLED),
+        Column("error of the peak", width=1.8, of=lambda row: str(ExpectedError(**row["error"]))),
+        Column("wall time", True, 0.8, lambda row: duration(row["wall_time"])),
+    )
+    yield Table.of("models", compared.scenario.name, columns, objects)
+    for each in objects:
+        yield from warnings((*each["refusals"], *each["warnings"]), f" of {each['model']}")
+    if picture is not None:
+        yield Paragraph(f"The picture is in {picture}.")
+
+
+def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -> Iterator[Block]:
+    from workbench.content.formatting import in_unit
+    from workbench.evidence.error_model import PEAK, ExpectedError
+
+    yield Paragraph(f"{name}: {answer['headline']}")
     if answer["message"]:
         yield Paragraph(answer["message"])
-    yield Definitions(tuple(_lines(answer)))
+    rows, other = list(_lines(answer)), answer["reference"]
+    if other is not None:
+        value, width = other[PEAK], (other["numerical_uncertainty"] or {}).get(PEAK, 0.0)
+        known = "" if value is None else f", {in_unit(value, PEAK, width=width, kind=_KIND)}"
+        rows.insert(1, (f"by {other['model']}, a reference", f"{other['outcome']}{known}"))
+    yield Definitions(tuple(rows if full else islice(rows, _ROWS)))
     error = ExpectedError(**answer["error"])
     if error.collapse is not None:
         yield Paragraph(f"Error of the peak displacement: {error}.")
     yield from warnings(answer["warnings"])
-    if target is not None:
-        yield Paragraph(f"The response is in {target}.")
+    if len(rows) > _ROWS and not full:
+        yield Paragraph(f"{len(rows) - _ROWS} more numbers with --full.")
 
 
 def warnings(findings: Iterable[dict[str, Any]], source: str = "") -> Iterator[Block]:

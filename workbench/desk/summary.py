@@ -10,24 +10,44 @@ import pandas as pd
 
 from workbench.content.formatting import in_unit, number, unit_of
 from workbench.evidence.error_model import PEAK, ExpectedError
-from workbench.responses import Response, collapse_of, findings_of, outcome_of, scalars_of, survives
+from workbench.responses import (
+    VARIABLES,
+    Response,
+    collapse_of,
+    findings_of,
+    outcome_of,
+    scalars_of,
+    survives,
+)
 
-_COLUMNS = (PEAK, "time_of_peak", "residual_displacement", "peak_force", "impulse")
-_FATES = {True: "stands", False: "collapses", None: "fate not known"}
+TABLED = (PEAK, "time_of_peak", "residual_displacement", "peak_force", "impulse")
 
 
 def headline(response: Response) -> str:
     """The answer in one sentence: peak, interval of 90 % for the truth, fate, model and why."""
-    because = response.attrs.get("because", "as asked")
-    peak, error = scalars_of(response).get(PEAK), error_of(response)
-    parts = [] if peak is None else [f"{in_unit(peak, PEAK, 3)}{_interval(peak, error)}"]
-    fate = _FATES[survives(response)]
-    collapse = collapse_of(response)
+    values, error = scalars_of(response), error_of(response)
+    parts = [fate_of(response)]
+    if PEAK in values:
+        parts.insert(0, f"{in_unit(values[PEAK], PEAK, 3)}{_interval(values[PEAK], error)}")
+    elif "force" in response:
+        parts.insert(0, f"largest force {in_unit(float(response['force'].max()), 'force', 3)}")
+    elif values:
+        name, value = next(iter(values.items()))
+        parts.insert(0, f"{VARIABLES[name].long_name} {in_unit(value, name, 3)}")
+    model, because = response.attrs["model"], response.attrs.get("because", "as asked")
+    return "; ".join((*filter(None, parts), f"by {model}, {because}"))
+
+
+def fate_of(response: Response) -> str:
+    """What becomes of the structure, in words; empty where nothing is struck."""
+    collapse, known = collapse_of(response), survives(response)
     if collapse is not None:
-        fate += f" ({collapse.mechanism}: {', '.join(collapse.parts)})"
-    elif peak is None and survives(response) is None:
-        fate = f"no answer ({outcome_of(response).value})"
-    return "; ".join((*parts, fate, f"by {response.attrs['model']}, {because}"))
+        return f"collapses: {collapse.mechanism} ({', '.join(collapse.parts)})"
+    if not outcome_of(response).is_answer:
+        return f"no answer, {outcome_of(response).value}"
+    if known is None:
+        return "stands or not: the record ends before the peak"
+    return "stands" if PEAK in response or "force" in response else ""
 
 
 def _interval(peak: float, error: ExpectedError) -> str:
@@ -54,7 +74,7 @@ def compared(responses: Mapping[str, Response], reference: str = "") -> pd.DataF
         warned = [each.subject for each in findings_of(response)]
         rows.append(
             {"model": label, "outcome": outcome_of(response).value}
-            | {name: values.get(name, float("nan")) for name in _COLUMNS}
+            | {name: values.get(name, float("nan")) for name in TABLED}
             | {"wall_time": float(response.attrs["wall_time"]), "findings": ", ".join(warned)}
         )
     table = pd.DataFrame(rows)

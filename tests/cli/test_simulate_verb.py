@@ -1,0 +1,106 @@
+"""`workbench simulate` answers: a sentence, five rows, several models in one table, a picture."""
+
+from __future__ import annotations
+
+import json
+import re
+import time
+from pathlib import Path
+
+import pytest
+
+from workbench.cli import run
+from workbench.cli.output import at_work
+
+COLUMN = """
+kind = "column-impact"
+column = { section = "HEB 220", length_below = "2 m", length_above = 2.0 }
+striker = { mass = "1.5 t", velocity = "18 km/h" }
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> str:
+    path = tmp_path / "column.toml"
+    path.write_text(COLUMN)
+    return str(path)
+
+
+def test_without_a_model_the_advice_answers_beside_a_reference(
+    file: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["simulate", file, "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content["model"] == "flexible-superelement"
+    assert content["reference"]["model"] == "fiber-shear"
+    peak, error = 1e3 * content["peak_displacement"], content["error"]
+    least, most = peak / (1.0 + error["high"]), peak / (1.0 + error["low"])
+    sentence = content["headline"].replace("\u00a0", " ")
+    assert sentence.startswith(f"{peak:.1f} mm, 90 %: {least:.1f} to {most:.1f}; stands; by flex")
+    assert sentence.endswith("the anchor of the error model")
+    reference = 1e3 * content["reference"]["peak_displacement"]
+    assert least < reference < most
+    assert run(["simulate", file]) == 0
+    lines = capsys.readouterr().out.replace("\u00a0", " ").splitlines()
+    assert lines[0] == f"column-impact: {sentence}"
+    assert [line[:2] for line in lines[1:7]] == ["  "] * 5 + ["Er"]  # five rows, the error
+    assert "by fiber-shear, a reference" in lines[2]
+    assert f"ok, {reference:.4g}" in lines[2]
+
+
+def test_all_numbers_with_full(file: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["simulate", file, "--model", "four-dof", "--full"]) == 0
+    full = capsys.readouterr().out
+    assert run(["simulate", file, "--model", "four-dof"]) == 0
+    short = capsys.readouterr().out
+    assert "wall time" in full
+    assert "wall time" not in short
+    left = re.search(r"(\d+) more numbers with --full", short)
+    assert left is not None
+    assert full.count("\n  ") == 5 + int(left[1])
+
+
+def test_several_models_stand_in_one_table(
+    file: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    picture = tmp_path / "both.png"
+    command = ["simulate", file, "--model", "four-dof", "--model", "energy-estimate"]
+    assert run([*command, "--json"]) == 0
+    first, second = json.loads(capsys.readouterr().out)["models"]
+    assert (first["model"], second["model"]) == ("four-dof", "energy-estimate")
+    assert run([*command, "--plot", str(picture)]) == 0
+    text = capsys.readouterr().out.replace("\u00a0", " ")
+    for each in (first, second):
+        peak = f"{1e3 * each['peak_displacement']:.3g} mm"
+        assert re.search(rf"(?m)^{each['model']} +stands +{re.escape(peak)}", text)
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["--plot", "a.gif"], "--plot = 'a.gif': must end in png or svg or pdf"),
+        (["--model", "four-dof", "--model", "biggs", "--out", "a.nc"], "must be one for --out"),
+        (["--model", "four-dfo"], "did you mean four-dof?; `workbench models` lists all"),
+        (["--model", "four-dof", "--model", "biggs", "--option", "beta=1.3"], "option.beta"),
+        (["--set", "striker.velocity=18 kg"], 'or with a unit in quotes, such as "90 km/h"'),
+        (["--set", "striker.velocty=18"], "unknown key; did you mean velocity? Known are"),
+    ],
+)
+def test_bad_input_is_one_line(
+    file: str, more: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["simulate", file, *more]) == 2
+    captured = capsys.readouterr()
+    assert said in captured.err
+    assert (captured.out, captured.err.count("\n")) == ("", 1)
+
+
+def test_long_work_says_so_once(capsys: pytest.CaptureFixture[str]) -> None:
+    with at_work("a model", seconds=0.01):
+        time.sleep(0.1)
+    with at_work("another", seconds=5.0):
+        pass
+    captured = capsys.readouterr()
+    assert captured.err.startswith("workbench: a model for 0.01 s; ")
+    assert (captured.out, captured.err.count("\n")) == ("", 1)
