@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from workbench.desk.answers import *  # noqa: F403
-    from workbench.desk.studies import *  # noqa: F403
     from workbench.errors import *  # noqa: F403
     from workbench.materials import *  # noqa: F403
     from workbench.registry import *  # noqa: F403
@@ -29,8 +28,9 @@ _PUBLIC = {  # room: names that it gives
     ),
     "registry": ("make_model", "model_names"),
     "study": ("Study", "Case", "Figure", "Gate", "Budget", "load_study", "run_study"),
-    "desk.answers": ("Comparison", "compare", "hit", "load", "simulate"),
-    "desk.studies": ("fit_residual", "study_of"),
+    "desk.answers": (
+        *("Comparison", "compare", "fit_residual", "hit", "load", "simulate", "study_of"),
+    ),
 }
 _ROOMS = {name: room for room, names in _PUBLIC.items() for name in names}
 __all__ = ["__version__", *_ROOMS]

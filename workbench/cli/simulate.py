@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.objects import as_object
 from workbench.cli.output import Answer, Names, at_work, option, verb, writable
 from workbench.content.tree import Block, Callout, Column, Definitions, Paragraph, Table
 from workbench.errors import InputError
@@ -60,6 +59,7 @@ def simulate(
     """
     from workbench.assessment.variations import Budget
     from workbench.desk.answers import Comparison, asked, simulate
+    from workbench.desk.summary import as_object
     from workbench.evidence.advice import quick_reference
     from workbench.responses import outcome_of
     from workbench.scenarios import load_scenario
@@ -114,6 +114,8 @@ def simulate(
 
 def _side_by_side(compared: Comparison) -> dict[str, Any]:
     """Several answers as one JSON object."""
+    from workbench.desk.summary import as_object
+
     given = compared.scenario
     objects = [as_object(each, given) for each in compared.responses.values()]
     return {"scenario": given.name, "models": objects}
