@@ -152,10 +152,11 @@ def case_of(impact: ColumnImpact, number: int) -> Case:
     name = f"{number:04d} {column.section.name.replace(' without fillets', ', plates')}, "
     name += f"{column.length_below:.2f} + {column.length_above:.2f} m, "
     name += f"{striker.velocity:.1f} m/s, {striker.mass:.0f} kg"
-    present = {SOLID: number % SOLIDS == SOLIDS // 2, BEAM: number % BEAMS == 0}
-    present[COARSE] = number % COARSES == 5
-    present[REFINED] = number % REFINEMENTS == 5
     values = features(impact)
+    present = {SOLID: number % SOLIDS == SOLIDS // 2, BEAM: number % BEAMS == 0}
+    light = values[STRIKER] < RATIOS[0]  # twice as many: there the beam is least sure
+    present[COARSE] = number % COARSES == 5 or (light and number % COARSES == 6)
+    present[REFINED] = number % REFINEMENTS == 5
     return Case(
         name,
         replace(impact, name=name),

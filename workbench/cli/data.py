@@ -145,8 +145,7 @@ def measure(
     from workbench.study.store import write_atomically
     from workbench.study.tables import csv_bytes
 
-    tables = {each.dataset: each for each in TABLES.values()}
-    chosen = tables[Choice(tuple(tables)).check("table", name)]
+    chosen = TABLES[Choice(tuple(TABLES)).check("table", name)]
     path = dataset(name).path if out is None else writable("--out", out, "csv")
     loaded = load_study(chosen.study)
     progress = progress_for(sys.stderr, os.environ)

@@ -14,7 +14,7 @@ from typing import Any
 from workbench.errors import InputError, OutOfDomainError, WorkbenchError
 from workbench.evidence.descriptors import DEMAND, features
 from workbench.evidence.error_model import ExpectedError, anchor_error, expected_error
-from workbench.evidence.error_table import ANCHOR, FINEST, REFERENCE, TABLES
+from workbench.evidence.error_table import ANCHOR, FINEST, REFERENCE, table_of
 from workbench.frames.runs import LARGEST_SHEAR_STRAIN
 from workbench.models.base import Model
 from workbench.models.resistance import column_curve
@@ -116,7 +116,7 @@ def judged(
     Models that are not judged keep all of theirs.
     """
     kept = list(findings)
-    if not is_judged(model) or scenario.KIND not in TABLES:
+    if not is_judged(model) or table_of(scenario) is None:
         return kept
     if error.chance is None:
         return [*kept, finding("error-not-measured", reason=error.reason)]
@@ -177,7 +177,7 @@ def choose(scenario: Any) -> Choice:
         because = "the anchor of the error model"
     elif is_inside(REFERENCE, scenario):
         model, because = REFERENCE, f"a reference, as {ANCHOR} is warned of here"
-    return Choice(model, because, error, scenario.KIND in TABLES)
+    return Choice(model, because, error, table_of(scenario) is not None)
 
 
 def quick_reference(scenario: Any) -> str:
@@ -204,7 +204,7 @@ def is_inside(name: str, scenario: Any) -> bool:
         return False
     try:
         findings = [*model.domain(scenario), *with_strain_rate(model, scenario)[2]]
-        if name == ANCHOR and scenario.KIND in TABLES:
+        if name == ANCHOR and table_of(scenario) is not None:
             error = anchor_error(scenario)
             if error.chance is None:
                 return False

@@ -1,14 +1,17 @@
-"""Numbers that describe columns and hits before a run, and the variants of models."""
+"""Numbers that describe hits and pulses before a run, and the variants of models."""
 
 import dataclasses
 from functools import lru_cache
+from math import pi, sqrt
 from typing import Any
 
 from workbench.errors import OutOfDomainError
 from workbench.frames.column_estimate import column_like
 from workbench.models.domain import shear_demand
 from workbench.models.hit_mass import elastic_energy, front_velocity
-from workbench.scenarios import ColumnImpact, FrameImpact
+from workbench.models.practice.biggs import Biggs
+from workbench.scenarios import ColumnImpact, FrameImpact, MemberPulse
+from workbench.scenarios.pulse import UNIFORM
 
 DEMAND, YIELDING, STRIKER = "shear_demand", "energy_over_elastic", "striker_over_lumped"
 FEATURES = {  # of the error model, and their words
@@ -20,6 +23,17 @@ FEATURES = {  # of the error model, and their words
     "stiffening": "pull of the restraint less the axial load, over the mechanism",
     "front": "velocity over the one from which shear waves yield the webs",
     "shorter_over_length": "shorter segment over the length",
+}
+LOADED, LASTS = "loaded_over_length", "impulse_over_force_and_period"
+DRAWN_SHAPES = ("rectangular", "triangular", "exponential", "friedlander")
+PULSE_FEATURES = {
+    LOADED: "loaded length over length",
+    DEMAND: FEATURES[DEMAND],
+    LASTS: "impulse over largest force and period",
+    "force_over_resistance": "largest force over the resistance of the mechanism",
+    "direct_shear": "half of a force at a point over Vpl",
+    "axial_over_squash": FEATURES["axial_over_squash"],
+    "shorter_over_length": FEATURES["shorter_over_length"],
 }
 FRAME_FEATURES = FEATURES | {"members": "members of the frame"}
 _NO_NUMBERS = ("levels",)  # options that leave the answer as it is
@@ -54,6 +68,30 @@ def features(scenario: ColumnImpact) -> dict[str, float]:
         "stiffening": (pull - column.axial_load) * turn / resistance,
         "front": striker.velocity / front_velocity(scenario),
         "shorter_over_length": min(below, above) / column.length,
+    }
+
+
+def pulse_features(scenario: MemberPulse) -> dict[str, float]:
+    """Numbers of a member under a pulse, without units, by the names of `PULSE_FEATURES`.
+
+    Period and resistance are those of its elastic and its last stage by Biggs. Raises
+    `OutOfDomainError` for shapes that were not drawn.
+    """
+    column, pulse, uniform = scenario.column, scenario.pulse, scenario.load == UNIFORM
+    if pulse.shape not in DRAWN_SHAPES:
+        raise OutOfDomainError(f"pulses of the shape {pulse.shape} were not drawn")
+    elastic, *_, mechanism = Biggs().stages(column, uniform)
+    mass = elastic.load_mass_factor * column.properties.mass_per_length * column.length
+    period = 2.0 * pi * sqrt(mass / elastic.stiffness)
+    force = pulse.peak * scenario.whole
+    return {
+        LOADED: float(uniform),
+        DEMAND: max(shear_demand(scenario).values()),
+        LASTS: pulse.whole / pulse.peak / period,
+        "force_over_resistance": force / mechanism.load,
+        "direct_shear": 0.0 if uniform else 0.5 * force / column.properties.shear_resistance,
+        "axial_over_squash": column.axial_load / column.properties.squash_load,
+        "shorter_over_length": min(column.length_below, column.length_above) / column.length,
     }
 
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import OutOfDomainError
-from workbench.evidence.error_table import ANCHOR, FINEST, TABLES, ends_of
+from workbench.evidence.error_table import ANCHOR, FINEST, ErrorTable, ends_of, table_of
 from workbench.models.base import options_of
 from workbench.models.strain_rate import steel_of
 from workbench.registry import make_model
@@ -90,14 +90,15 @@ def expected_error(scenario: Any, response: Response) -> ExpectedError:
     The anchor itself is not run again. Raises `InputError` if it is not installed.
     """
     name, peak = response.attrs["model"], _peak(response)
-    own = scenario.KIND in TABLES and _is_anchor(response, TABLES[scenario.KIND].anchor)
+    table = table_of(scenario)
+    own = table is not None and _is_anchor(response, table.anchor)
     error = _error(scenario, name, peak, peak if own else None)
     return replace(error, residual=residual_ends(scenario, response))
 
 
 def anchor_error(scenario: Any) -> ExpectedError:
     """The error to expect of the anchor itself, as `expected_error`."""
-    table = TABLES.get(scenario.KIND)
+    table = table_of(scenario)
     peak = nan if table is None or truth_ratio(scenario).reason else anchor_peak(scenario)
     error = _error(scenario, table.anchor if table else ANCHOR, peak, peak)
     return replace(error, residual=residual_ends(scenario))
@@ -105,7 +106,7 @@ def anchor_error(scenario: Any) -> ExpectedError:
 
 def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> ExpectedError:
     """That of the peak of a model's `answer` (m); the `anchor` has this peak (None: run it)."""
-    table = TABLES.get(scenario.KIND)
+    table = table_of(scenario)
     if table is None:
         return ExpectedError(ANCHOR, reason=f"errors of {scenario.KIND} were not measured")
     ratio = truth_ratio(scenario)
@@ -144,10 +145,9 @@ def chance_beyond(errors: Array) -> Any:
 def truth_ratio(scenario: Any) -> TruthRatio:
     """What is known of ln(truth / anchor) of a scenario before it is answered.
 
-    Of a kind in `TABLES`; with what the finest reference says of the reference.
+    Of a scenario that has a table; with what the finest reference says of the reference.
     """
-    table = TABLES[scenario.KIND]
-    steel = steel_of(scenario)
+    table, steel = _table(scenario), steel_of(scenario)
     if steel is not None and (steel.rate or steel.hardening_modulus) is not None:
         reason = "errors were measured without strain rate and hardening"
         return TruthRatio(np.empty(0), reason=reason)
@@ -184,7 +184,13 @@ def anchor_peak(scenario: Any) -> float:
 @lru_cache(maxsize=256)
 def _anchor(scenario: Any) -> tuple[float, float]:
     """Peak and residual displacement of the anchor in m, NaN where it has none."""
-    return _numbers(make_model(TABLES[scenario.KIND].anchor).simulate(scenario))
+    return _numbers(make_model(_table(scenario).anchor).simulate(scenario))
+
+
+def _table(scenario: Any) -> ErrorTable:
+    table = table_of(scenario)
+    assert table is not None
+    return table
 
 
 def residual_ends(scenario: Any, response: Response | None = None) -> tuple[float, float] | None:
@@ -193,7 +199,7 @@ def residual_ends(scenario: Any, response: Response | None = None) -> tuple[floa
     The difference to that of the anchor was measured in parts of its peak. Where `response` is the
     answer of the anchor it is not run again.
     """
-    table = TABLES.get(scenario.KIND)
+    table = table_of(scenario)
     if table is None or truth_ratio(scenario).reason:
         return None
     parts = table.residuals(truth_ratio(scenario).features)

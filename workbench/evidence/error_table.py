@@ -15,11 +15,14 @@ from workbench.evidence.descriptors import (
     DEMAND,
     FEATURES,
     FRAME_FEATURES,
+    LOADED,
+    PULSE_FEATURES,
     STRIKER,
     features,
     frame_features,
+    pulse_features,
 )
-from workbench.evidence.pulses import LOADED, PULSE_FEATURES, pulse_features
+from workbench.evidence.local import LocalMean
 from workbench.scenarios import ColumnImpact, FrameImpact, MemberPulse
 
 ANCHOR, REFERENCE, FINEST = "flexible-superelement", "fiber-shear", "solid-plane-stress"
@@ -38,7 +41,8 @@ class ErrorTable:
     `features` of a scenario by name, as its columns have them, with their `words`; `cells`, bounds
     of features between cells; `doubted`, those between which the finest reference judged the
     reference (empty: it did not); share by which the peak of an anchor `grows`, at 1.05 of the
-    load, that is close to collapse; names of `anchor` and `reference`.
+    load, that is close to collapse; whether intervals are `centred` by what is near; names of
+    `anchor` and `reference`.
     """
 
     kind: str
@@ -49,6 +53,7 @@ class ErrorTable:
     cells: Mapping[str, tuple[float, ...]]
     doubted: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     grows: float = 0.13
+    centred: bool = False
     anchor: str = ANCHOR
     reference: str = REFERENCE
 
@@ -63,8 +68,25 @@ class ErrorTable:
         return self._against(self.anchor) * -1.0
 
     def truths(self, values: Mapping[str, float]) -> Array:
-        """Sorted ln(truth / anchor) in the cell of a scenario with such features."""
-        return _alike(self.ratios, self.rows, values, self.cells)
+        """Sorted ln(truth / anchor) of a scenario with such features: what is near, and rests."""
+        near = self._local.at(self.scaled(values)) if self.centred else 0.0
+        return self.rests(values) + near
+
+    def rests(self, values: Mapping[str, float]) -> Array:
+        """Sorted ln(truth / anchor) in the cell of a scenario, less what the others expect."""
+        return _alike(self._rests, self.rows, values, self.cells)
+
+    @cached_property
+    def _rests(self) -> Array:
+        rests = self.ratios.copy()
+        if self.centred:
+            rests[np.isfinite(rests)] = self._local.rests
+        return rests
+
+    @cached_property
+    def _local(self) -> LocalMean:
+        known = np.isfinite(self.ratios)
+        return LocalMean(self._points[known], self.ratios[known])
 
     def residuals(self, values: Mapping[str, float]) -> Array:
         """Sorted differences of residuals, truth less anchor, over the peak of the anchor."""
@@ -101,7 +123,7 @@ class ErrorTable:
 
     def unknown(self, values: Mapping[str, float]) -> str:
         """Why nothing is known of a scenario with such features; empty where something is."""
-        point, known = self._scaled(values), self._points[~np.isnan(self.ratios)]
+        point, known = self.scaled(values), self._points[~np.isnan(self.ratios)]
         low, high = known.min(axis=0), known.max(axis=0)
         away = np.maximum(low - point, point - high) > MARGIN * (high - low)
         texts = []
@@ -125,15 +147,15 @@ class ErrorTable:
 
     @cached_property
     def _points(self) -> Array:
-        return self._scaled(self.rows)
+        return self.scaled(self.rows)
 
-    def _scaled(self, values: Any) -> Array:
+    def scaled(self, values: Any) -> Array:
         """Features on their scales, logarithmic where all are positive."""
         columns = []
         for name in self.words:
             scale = np.log if self.rows[name].min() > 0.0 else np.arcsinh
             columns.append(scale(values[name]))
-        return np.column_stack(columns) if np.ndim(columns[0]) else np.array(columns)
+        return np.stack(columns, axis=-1)
 
 
 def _alike(
@@ -161,6 +183,7 @@ COLUMNS = ErrorTable(
     words=FEATURES,
     cells={STRIKER: (0.6, 5.0), DEMAND: (0.5, 1.0)},
     doubted={STRIKER: (0.6,), DEMAND: (0.5, 1.0)},
+    centred=True,
 )
 PULSES = ErrorTable(
     kind=MemberPulse.KIND,
@@ -179,4 +202,9 @@ FRAMES = ErrorTable(
     words=FRAME_FEATURES,
     cells={STRIKER: (0.6, 5.0)},
 )
-TABLES = {table.kind: table for table in (COLUMNS, PULSES, FRAMES)}
+TABLES = {table.dataset: table for table in (COLUMNS, PULSES, FRAMES)}
+
+
+def table_of(scenario: Any) -> ErrorTable | None:
+    """The table of a scenario's kind; None where errors were not measured."""
+    return next((table for table in TABLES.values() if table.kind == scenario.KIND), None)

@@ -2,7 +2,7 @@
 
 All of it is cross-validated: what is said of a case comes from the other cases of its cell. As in
 `evidence/error_model.py`, ln(answer / truth) is ln(answer / anchor), which is known, plus what the
-others have for ln(anchor / truth); ends are order statistics.
+others near it make expect of ln(anchor / truth); ends are order statistics of the rests.
 """
 
 from collections.abc import Callable, Iterator
@@ -14,7 +14,8 @@ import pandas as pd
 from workbench.errors import OutOfDomainError
 from workbench.evidence.descriptors import variant_of
 from workbench.evidence.error_model import BEYOND, WARNED, chance_beyond
-from workbench.evidence.error_table import TABLES, ends_of
+from workbench.evidence.error_table import TABLES, ends_of, table_of
+from workbench.evidence.local import LocalMean
 from workbench.responses import Outcome
 from workbench.study.definition import Study
 from workbench.study.ranking import errors_of
@@ -94,22 +95,25 @@ def error_tables(study: Study, tables: Tables) -> dict[str, pd.DataFrame]:
 
 
 def _drawn(study: Study, tables: Tables) -> _Drawn | None:
-    scenarios = {case.name: case.scenario for case in study.cases if case.scenario.KIND in TABLES}
+    scenarios = {case.name: case.scenario for case in study.cases}
     anchors = {each.anchor for each in TABLES.values()}
     errors = errors_of(study, tables)
     models = {label: study.models[label] for label in map(str, errors)}
     anchor = next((n for n, m in models.items() if m.name in anchors and not variant_of(m)), "")
     if not anchor:
         return None
-    errors = errors[errors.index.isin(scenarios) & errors[anchor].notna()]
-    words, places = {}, {}
+    errors = errors[errors[anchor].notna()]
+    words, places, points = {}, {}, {}
     for case in errors.index:
-        of_kind = TABLES[scenarios[case].KIND]
+        of_kind = table_of(scenarios[case])
+        if of_kind is None:
+            continue
         try:
             features = of_kind.features(scenarios[case])
         except OutOfDomainError:  # such a scenario has no cell
             continue
         words[case] = of_kind.cell(features)
+        points[case] = of_kind.scaled(features) if of_kind.centred else None
         places[case] = [np.searchsorted(b, features[n], "right") for n, b in of_kind.cells.items()]
     cells = pd.Series(words, dtype="str")[sorted(words, key=places.__getitem__)]
     cells = cells[cells.map(cells.value_counts()) >= FEWEST]
@@ -122,17 +126,28 @@ def _drawn(study: Study, tables: Tables) -> _Drawn | None:
     collapses = fallen[anchor] ^ np.isinf(errors[anchor])
     known = (errors.notna() & ~fallen).mul(~fallen[anchor] & ~collapses, axis=0)
     logs = errors.where(known).transform(np.log1p)
-    expected = _expected(logs, logs[anchor].groupby(cells))
+    rests = _rests(logs[anchor], points)
+    expected = _expected(logs, rests.groupby(cells))
     seconds = timed.reindex(errors.index)
     return _Drawn(
         *(anchor, study.reference, cells, errors, seconds, fallen, collapses, known), *expected
     )
 
 
+def _rests(logs: pd.Series, points: dict[Any, Any]) -> pd.Series:
+    """ln(anchor / truth), less what others near their `points` make expect where there are any."""
+    known = [case for case in logs.dropna().index if points[case] is not None]
+    rests = logs.copy()
+    if known:
+        places = np.array([points[case] for case in known])
+        rests[known] = LocalMean(places, logs[known].to_numpy()).rests
+    return rests
+
+
 def _expected(logs: pd.DataFrame, by_cell: Any) -> Iterator[pd.DataFrame]:
     """Low end, median and high end of the errors to expect, and the chance to be beyond the bound.
 
-    From `logs`, ln(answer / truth), and those of the anchor by cell; NaN where nothing is known.
+    From `logs`, ln(answer / truth), and rests of the anchor by cell; NaN where nothing is known.
     """
     expected = np.full((4, *logs.shape), np.nan)
     rows, anchor = logs.to_numpy(), by_cell.obj.to_numpy()
