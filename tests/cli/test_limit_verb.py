@@ -93,6 +93,11 @@ def test_what_stays_open_is_status_1(car: str, capsys: pytest.CaptureFixture[str
     text = " ".join(capsys.readouterr().out.split())
     assert "no collapse found; not known at 1, 8.375" in text
     assert "Euler load" in text
+    both = ["--model", "energy-estimate", "--model", "measured", "--from", "2", "--to", "4"]
+    assert run(["limit", car, *both]) == 1  # one says where, of the other nothing is known
+    text = " ".join(capsys.readouterr().out.split())
+    assert "no collapse up to 4" in text
+    assert "no test of this scenario" in text
 
 
 @pytest.mark.parametrize(

@@ -108,6 +108,14 @@ def test_impact_tests_are_converted_and_catalogued() -> None:
     assert raw["file"] == "tests.csv"
 
 
+def test_a_share_in_percent_is_one_of_a_hundred() -> None:
+    header, units = HEADER.replace("mass", "restitution,mass"), UNITS.replace("kg", "%,kg")
+    table = impacts((HEADER, header), (UNITS, units), (",0,1500,", ",0,20,1500,"),
+                    (",200,1500,", ",200,5,1500,"))  # fmt: skip
+    add_table(table)
+    assert load("tests")["restitution"].tolist() == [0.2, 0.05]
+
+
 def test_a_published_table_in_kips_and_inches_is_fitted_without_code() -> None:
     added = add_table(push_outs(), mapping=mapping())
     assert "Qu (kip) in kip is shear_kN, times 4.44822162" in added.notes

@@ -24,7 +24,7 @@ from workbench.models.resistance import (
     resistance_curve,
 )
 from workbench.models.single_dof import SingleDof
-from workbench.models.single_dof.spring import pushed
+from workbench.models.single_dof.spring import pushed, spring_at_rest, spring_energy, spring_moved, spring_path
 from workbench.models.soft_impact import SoftImpact
 from workbench.responses import Outcome, Response, collapse_of, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
@@ -99,6 +99,20 @@ def test_work_is_stored_or_dissipated_on_any_path(shape, turns, restraint) -> No
     np.testing.assert_allclose(elastic + dissipated, work, atol=2e-4 * scale)
     assert np.min(np.diff(dissipated)) >= -1e-12 * scale
     assert np.min(elastic) >= 0.0
+
+
+def test_the_work_of_one_path_is_what_it_stores_and_dissipates() -> None:
+    """From rest and from a yielded state, to both sides and beyond the largest displacement."""
+    curve, _ = follow("cubic", np.zeros(1))
+    rest = spring_at_rest(curve.elastic_limit, curve.pieces)
+    ahead = spring_moved(rest, 0.1, curve.pieces)
+    for state in (rest, ahead, spring_moved(ahead, 0.05, curve.pieces)):
+        for to in (-0.2, -0.5 * curve.elastic_limit, 0.06, 0.3):
+            moved = spring_moved(state, to, curve.pieces)
+            stored = spring_energy(moved, curve.pieces) - spring_energy(state, curve.pieces)
+            force, _, work = spring_path(state, to, curve.pieces)
+            assert force == moved.force
+            assert work == pytest.approx(stored + moved.dissipated - state.dissipated, rel=1e-9)
 
 
 def test_elastic_range_is_reversible_where_the_curve_is_not_straight() -> None:

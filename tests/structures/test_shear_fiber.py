@@ -32,7 +32,7 @@ def equivalent(sigma: float, tau: float) -> float:
     return float(np.hypot(sigma, np.sqrt(3.0) * tau)) / FY
 
 
-@given(eps=STRAIN, gamma=STRAIN, eps_p=STRAIN, gamma_p=STRAIN, ratio=st.sampled_from([0.0, 1e-6]))
+@given(eps=STRAIN, gamma=STRAIN, eps_p=STRAIN, gamma_p=STRAIN, ratio=st.sampled_from([0.0, 1e-2]))
 @examples(200)
 def test_stress_is_on_the_ellipse_and_flow_is_the_most_dissipative(
     eps, gamma, eps_p, gamma_p, ratio

@@ -103,6 +103,13 @@ def test_menegotto_pinto_keeps_to_its_two_lines() -> None:
     assert corner == pytest.approx(FY * (0.01 + 0.99 * 2.0 ** (-1.0 / 20.0)), rel=1e-12)
 
 
+def test_menegotto_pinto_is_alike_in_tension_and_compression() -> None:
+    """Loops that grow and shrink: the curve goes by the largest strain of its own side."""
+    path = YIELD * np.array([0.0, 3.0, -2.0, 8.0, -8.0, 2.0, -1.0, 6.0, -4.0, 9.0])
+    law = MenegottoPinto(E, FY, 0.02)
+    np.testing.assert_allclose(stress_path(law, -path)[:, 0], -stress_path(law, path)[:, 0])
+
+
 def test_menegotto_pinto_shows_the_bauschinger_effect_and_a_stable_loop() -> None:
     law = MenegottoPinto(E, FY, 0.01)
     cycle = 5.0 * YIELD * np.sin(np.linspace(0.0, 8.0 * np.pi, 1601))

@@ -211,7 +211,7 @@ def test_a_collapse_that_the_reference_does_not_share_is_counted(
     models = {
         **study.models,
         "fine": Troubled("collapse", above=18.0),
-        "falls": Troubled("collapse", above=12.0),
+        "falls": Troubled("collapse", above=8.0),
     }
     gates = (gate("soft", "middle", 0.5, "v20.0"),)
     ladders = {"ladder": (), "reference": "fine", "references": ("fine", "middle")}
@@ -221,6 +221,7 @@ def test_a_collapse_that_the_reference_does_not_share_is_counted(
     assert list(tables["references"].set_index("case").loc[list(FAST), "label"]) == ["fine"] * 2
     rows = tables["matrix"].set_index(["group", "label"])
     columns = ["answered", "collapsed", "false_alarm", "false_safe"]
+    assert rows.loc[("slow", "falls"), columns].tolist() == [0, 1, 1, 0]
     assert rows.loc[("fast", "falls"), columns].tolist() == [0, 2, 1, 0]
     assert rows.loc[("fast", "soft"), columns].tolist() == [2, 0, 0, 1]
     warned = {**models, "middle": Warned(error=0.08, level=1), "soft": Spring(stiffness=4.9e6)}

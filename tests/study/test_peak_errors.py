@@ -102,6 +102,6 @@ def test_ranking_counts_pairs_and_leaves_small_groups(study) -> None:
     assert (second["against"], second["pairs"], second["wins"]) == ("good", 59, 58)
     assert second["chance"] == pytest.approx(60 / 2**59, rel=0.1)  # 59 fair coins, one head or none
     fast = sum(case.scenario.striker.velocity > BOUND for case in study.cases)
-    assert (second["high"], second["within"]) == (fast, COUNT - fast)
+    assert (second["low"], second["high"], second["within"]) == (0, fast, COUNT - fast)
     assert second["median"] in (1.05, 1.3)
     assert np.isfinite(second["least"])
