@@ -15,7 +15,7 @@ from workbench.evidence.advice import NONE, ORDER, advise, advised, better, choo
 from workbench.evidence.catalogue import DATA
 from workbench.evidence.error_model import WARNED, anchor_error
 from workbench.evidence.error_table import ANCHOR, FINEST
-from workbench.models.four_dof import FourDof
+from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.references.fiber_shear import FiberShear
 from workbench.registry import make_model, model_kind, model_names
@@ -103,6 +103,27 @@ def test_the_error_stands_in_place_of_what_a_domain_says(thesis_impact: ColumnIm
     assert "shear" in found(FourDof(), push)  # nothing was measured of these
     beam = make_model("fiber-reissner")
     assert "shear" in {f.subject for f in advise(beam, thesis_impact)}  # so that it judges nobody
+
+
+def test_a_hit_that_hardly_yields_an_unequal_column_is_not_18_percent_off_in_silence() -> None:
+    """The lumped mass stands for less than the longer bar takes up (docs/theory/hit-mass.md)."""
+    column = Column(find("HEA 180"), 1.295, 5.115, axial_load=384.5e3)
+    hit = ColumnImpact("unequal", column, Striker(392.0, 4.2))
+    assert re.search(r"expect \+2\d %, 90 %: \+1\d to", found(FourDofShear(), hit)["error"].text)
+
+
+@pytest.mark.parametrize("name", ["single-dof", "energy-estimate"])
+def test_the_default_resistance_sees_drawn_columns_collapse(name: str) -> None:
+    """Cubic ones see none; with a fixed head they are low besides."""
+    rows = load("columns")
+    rows = rows[rows["reference_state"].isin(["ok", "collapse"])]
+    falls, fixed = rows["reference_state"] == "collapse", rows["column.head"] == "fixed"
+    own, cubic = rows[name], rows[f"{name} resistance=cubic"]
+    assert make_model(name) == make_model(name, {"resistance": "analytic"})
+    assert np.isinf(own[falls]).sum() >= 12 > np.isinf(cubic[falls]).sum() == 0
+    ratios = (each[fixed & ~falls] / rows["reference_peak"] for each in (own, cubic))
+    medians = [float(each[np.isfinite(each)].median()) for each in ratios]
+    assert medians[0] > 0.94 > 0.91 > medians[1]
 
 
 def test_outside_what_was_drawn_it_says_so_and_names_a_reference(thesis_impact) -> None:

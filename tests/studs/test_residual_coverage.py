@@ -146,6 +146,21 @@ def test_a_criterion_with_kinks_does_not_end_a_fit() -> None:
         assert each.profile.low <= each.value <= each.profile.high
 
 
+def test_a_second_valley_does_not_end_an_interval_of_the_scatters() -> None:
+    """The 163rd of a threshold: followed from one campaign effect to the next, it was lost."""
+    generator = np.random.default_rng(31)
+    for _ in range(163):
+        sizes = generator.integers(4, 11, generator.integers(3, 7)).tolist()
+        table = laboratory(generator, "threshold", sizes)
+        generator.uniform(size=200)
+        generator.normal(size=200)
+    fitted = fit_residual(table).fitted
+    assert fitted is not None
+    for name in ("sigma", "tau"):
+        low, high = (fitted.scatters[f"{name}_{end}"] for end in ("low", "high"))
+        assert 0.0 < low < fitted.scatters[name] < high < 0.2
+
+
 def test_a_loss_that_shows_beyond_the_tests_is_not_denied_there() -> None:
     """1 - 0.4 D^2 tested up to 0.5: a band there would hold next to nothing at 1."""
     fit = fit_residual(laboratory(np.random.default_rng(3), "square", [6, 6, 6], 0.5))

@@ -201,11 +201,12 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
     def of_sigma(sigma: float) -> float:
         return least(2.0 * np.log(sigma), dense)
 
-    lowest = of_sigma(s)
-    if several:
-        lowest = min(of_sigma(float(v)) for v in np.exp(np.linspace(-1.0, 1.0, 81)) * s)
+    # with kinks the least criterion need not be that of the estimate
+    around = np.exp(np.linspace(-1.0, 1.0, 81)) if several else np.ones(1)
+    middle = min(map(float, s * around), key=of_sigma)
+    lowest = of_sigma(middle)
     low, high = (
-        _crossing(lambda v: of_sigma(np.exp(v)) - lowest - rise, np.log(s), step, bound)
+        _crossing(lambda v: of_sigma(np.exp(v)) - lowest - rise, np.log(middle), step, bound)
         for step, bound in ((-0.3, -np.inf), (0.3, np.inf))
     )
     sigma = Interval(low, high, confidence, PROFILE).exponential()
@@ -218,8 +219,9 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
         return least(log_s2, spline(np.log(ratio + RATIO_SHIFT)).T)
 
     step = max(estimate.tau, 0.2 * s)
+    middle = min((estimate.tau, *map(float, step * around)), key=of_tau)
     lowest_tau, highest = (
-        _crossing(lambda v: of_tau(v) - lowest - rise, estimate.tau, sign * step, bound)
+        _crossing(lambda v: of_tau(v) - lowest - rise, middle, sign * step, bound)
         for sign, bound in ((-1.0, 0.0), (1.0, np.inf))
     )
     return {"sigma": sigma, "tau": Interval(lowest_tau or 0.0, highest, confidence, PROFILE)}

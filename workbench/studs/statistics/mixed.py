@@ -201,10 +201,13 @@ def criteria_at(given: Problem, ratios: Array, start: Array, free: Indices) -> t
 
 
 def _one_by_one(given: Problem, ratios: Array, start: Array, free: Indices) -> tuple[Array, Array]:
-    values = np.empty((len(ratios), 2))
+    values, last = np.empty((len(ratios), 2)), start
     for i, each in enumerate(ratios):
-        values[i, 0], values[i, 1], solved = criterion_at(given, float(each), start, free)
-        start = solved.theta
+        # with kinks the best parameters may lie in another valley than those of the last ratio
+        starts = (last,) if last is start else (last, start)
+        tried = [criterion_at(given, float(each), begin, free) for begin in starts]
+        *values[i], solved = min(tried, key=lambda known: known[0])
+        last = solved.theta
     return values[:, 0], values[:, 1]
 
 
