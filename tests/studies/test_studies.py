@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from workbench.cli import run
 from workbench.report.figures import KINDS
 from workbench.responses.uncertainty import uncertainty_of
 from workbench.study import cells_of, load_study
@@ -40,6 +41,19 @@ def test_references_of_pulses_are_closed() -> None:
         width = uncertainty_of(answer, "peak_displacement")
         assert width is not None
         assert width <= 0.03 * float(answer["peak_displacement"]), label
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
+def test_first_pages_of_quick_forms_have_a_picture_and_an_answer(path: Path, tmp_path: Path) -> None:
+    quick = [str(path), "--quick", "--store", str(tmp_path)]
+    assert run(["run", *quick]) in (0, 1)  # gates may fail
+    assert run(["report", *quick, "--format", "html"]) == 0
+    html = (tmp_path / f"{path.stem}-quick" / "report" / "report.html").read_text("utf-8")
+    page = html.split('id="answer"')[1].split("<section")[0]
+    assert page.count("<svg") == 1
+    assert "Not drawn" not in page
+    assert re.search(r"\d\s%", re.sub("<[^>]*>", "", page))
 
 
 def indented(text: str, begin: str, end: str) -> str:
