@@ -24,7 +24,13 @@ from workbench.models.resistance import (
     resistance_curve,
 )
 from workbench.models.single_dof import SingleDof
-from workbench.models.single_dof.spring import pushed, spring_at_rest, spring_energy, spring_moved, spring_path
+from workbench.models.single_dof.spring import (
+    pushed,
+    spring_at_rest,
+    spring_energy,
+    spring_moved,
+    spring_path,
+)
 from workbench.models.soft_impact import SoftImpact
 from workbench.responses import Outcome, Response, collapse_of, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker

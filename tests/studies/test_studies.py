@@ -45,7 +45,9 @@ def test_references_of_pulses_are_closed() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
-def test_first_pages_of_quick_forms_have_a_picture_and_an_answer(path: Path, tmp_path: Path) -> None:
+def test_first_pages_of_quick_forms_have_a_picture_and_an_answer(
+    path: Path, tmp_path: Path
+) -> None:
     quick = [str(path), "--quick", "--store", str(tmp_path)]
     assert run(["run", *quick]) in (0, 1)  # gates may fail
     assert run(["report", *quick, "--format", "html"]) == 0
