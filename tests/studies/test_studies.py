@@ -45,7 +45,7 @@ def test_references_of_pulses_are_closed() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
-def test_first_pages_of_quick_forms_have_a_picture_and_an_answer(
+def test_first_pages_of_quick_forms_answer_in_a_picture(path: Path, tmp_path: Path) -> None:
     path: Path, tmp_path: Path
 ) -> None:
     quick = [str(path), "--quick", "--store", str(tmp_path)]
