@@ -46,8 +46,6 @@ def test_references_of_pulses_are_closed() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
 def test_first_pages_of_quick_forms_answer_in_a_picture(path: Path, tmp_path: Path) -> None:
-    path: Path, tmp_path: Path
-) -> None:
     quick = [str(path), "--quick", "--store", str(tmp_path)]
     assert run(["run", *quick]) in (0, 1)  # gates may fail
     assert run(["report", *quick, "--format", "html"]) == 0
