@@ -3,8 +3,7 @@
 y_ij = f_ij(theta) + u_j + e_ij, u_j ~ N(0, tau^2) for campaign j, e_ij ~ N(0, sigma^2 / w_ij).
 Restricted maximum likelihood, profiled over theta and sigma, so that one variable is left: the
 ratio lambda = tau^2 / sigma^2. Rows of a campaign are whitened by Z = I - phi z z' / z'z with
-z = sqrt(w) and phi = 1 - (1 + lambda sum w)^(-1/2). Source: Pinheiro and Bates 2000, chapters 2
-and 7.
+z = sqrt(w) and phi = 1 - (1 + lambda sum w)^(-1/2). Source: Pinheiro and Bates 2000, 2 and 7.
 """
 
 from dataclasses import dataclass, replace
@@ -204,8 +203,7 @@ def _one_by_one(given: Problem, ratios: Array, start: Array, free: Indices) -> t
     values, last = np.empty((len(ratios), 2)), start
     for i, each in enumerate(ratios):
         # with kinks the best parameters may lie in another valley than those of the last ratio
-        starts = (last,) if last is start else (last, start)
-        tried = [criterion_at(given, float(each), begin, free) for begin in starts]
+        tried = [criterion_at(given, float(each), begin, free) for begin in (last, start)[: i + 1]]
         *values[i], solved = min(tried, key=lambda known: known[0])
         last = solved.theta
     return values[:, 0], values[:, 1]
