@@ -178,6 +178,8 @@ class Many(Rule):
         several = f"{self.shortest} or more " if self.shortest else ""
         if self.longest is not None:
             several = f"{self.shortest} to {self.longest} "
+        if self.longest == self.shortest:
+            several = f"{self.longest} "
         if isinstance(self.item, Instance):
             return f"a list of {several}{self.item.kind.__name__} objects"
         return f"a list of {several}{type(self.item).__name__.lower()}s"

@@ -174,7 +174,7 @@ def column_like(scenario: FrameImpact) -> ColumnImpact | None:
     column = _column_of_unit(scenario.frame, striker.node, striker.direction)
     if column is None:
         return None
-    return replace(column, striker=Striker(striker.mass, striker.velocity, striker.restitution))
+    return replace(column, striker=striker.alone)
 
 
 @lru_cache(maxsize=64)
@@ -221,11 +221,10 @@ def _column(
             column = replace(column, impact_mass=column.properties.impact_mass + extra)
     except InputError as error:
         raise OutOfDomainError(f"there is no such column: {error}") from error
-    striker = scenario.striker
     impact = ColumnImpact(
         f"{scenario.name}: column {line.base} to {line.head}"[:120],
         column,
-        Striker(striker.mass, striker.velocity, striker.restitution),
+        scenario.striker.alone,
         scenario.duration,
     )
     return impact, line, axial, bent

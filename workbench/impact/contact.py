@@ -3,12 +3,14 @@
 Moreau 1988; Heng 2017, 3.1 and 3.2, eqs 3.17-3.30. Gap g >= 0, gap velocity gamma = g'; the
 impulse P of a step obeys 0 <= P perp xi = gamma_1 + e gamma_0 >= 0 while the contact is closed.
 Explicit steps and collisions call `explicit_percussion`; implicit steps write xi = 0 into their
-equations with the `rebound` given here (`contact_step_of`, which decides who touches).
+equations with the `rebound` given here (`contact_step_of`, which decides who touches). A striker
+that crushes has no restitution: its impulse is that of its law, see `crushing`.
 """
 
 from typing import Any, NamedTuple
 
 from workbench.compiled import njit
+from workbench.impact.crushing import TRIES, approach_at, crush_line, obeys
 from workbench.impact.pace import APART, RELEASED, SLACK
 
 # Small functions that end in one entry: inlined, without the wrappers that Python would call.
@@ -107,20 +109,37 @@ def contact_step_of(hit: Any, solve: Any, released: bool = True) -> Any:
     lost in contact (J)`; `may`: whether contact is possible. The step is solved closed if bodies do
     not separate, else open, and the other way if the law refuses that. `released`: a step in which
     the contact opens is not done; its length up to there, by a straight line through the mean
-    forces of two steps, is written as `progress.release`. Not for forces that ring.
+    forces of two steps, is written as `progress.release`. Not for forces that ring. Of a striker
+    that crushes the step is solved with lines through its law until the impulse obeys that.
     """
 
     @uncounted
     def step(s, progress, dt, may):
-        speed, mass = hit(s)[1], progress.mass
+        (place, speed), mass, law = hit(s), progress.mass, progress.crush
         gamma = speed - progress.velocity
         touch = touch_velocity(progress.velocity, gamma, progress.restitution)
-        closed, refused = may and gamma <= APART * progress.approach, False
-        for _ in range(2 if may else 1):
-            done, end, residual, count = solve(s, dt, closed, touch, mass)
+        closed, refused, striker = may and gamma <= APART * progress.approach, False, mass
+        tries, crushes = 2 if may else 1, law.points > 0
+        start, speeds = progress.place - place, 2.0 * progress.velocity - speed
+        if crushes:
+            law.crushed = max(law.crushed, start)
+            wanted, striker, touch = crush_line(law, start, start - dt * gamma, dt, mass, speeds)
+            closed, tries = wanted > 0.0, TRIES
+        for _ in range(tries):
+            done, end, residual, count = solve(s, dt, closed, touch, striker)
             progress.residual = residual
             progress.evaluations += count
-            impulse = mass * (touch - end) if closed else 0.0
+            impulse = striker * (touch - end) if closed else 0.0
+            if crushes:
+                if not done:
+                    break
+                reached = approach_at(start, dt, mass, speeds, impulse, end)
+                wanted, striker, touch = crush_line(law, start, reached, dt, mass, speeds)
+                if obeys(law, impulse, wanted, mass, progress.approach):
+                    lost = contact_loss(impulse, gamma, end - progress.velocity + impulse / mass)
+                    return True, impulse, end, lost
+                closed = wanted > 0.0
+                continue
             if released and done and impulse < 0.0 and progress.pushed > 0.0:  # no force there
                 bend = 2.0 * (progress.pushed - impulse / dt) / (dt + progress.before)
                 release = progress.pushed / bend - 0.5 * progress.before

@@ -47,6 +47,7 @@ from workbench.impact.contact import (
     may_touch,
     uncounted,
 )
+from workbench.impact.crushing import CRUSH, front
 from workbench.impact.pace import (
     APART,
     AT_REST,
@@ -59,6 +60,7 @@ from workbench.impact.pace import (
     PIECES,
     SHORTEST,
     SOFT,
+    SLOWEST,
     Pace,
     aimed,
     judge,
@@ -69,7 +71,8 @@ DONE, NO_CONVERGENCE, COLLAPSE, TOO_MANY, GOING = range(5)
 PROGRESS = np.dtype(  # how far an impact has been followed, all that the integrator owns
     [
         *((name, float) for name in ("mass", "restitution", "place", "velocity")),  # of the striker
-        ("contact_loss", float),  # energy lost in contact so far, J
+        ("crush", CRUSH),  # its law if it crushes
+        ("contact_loss", float),  # energy lost in contact, or spent on crushing, so far, J
         ("approach", float),  # first velocity of the striker, m/s
         ("scale", float),  # velocity that the hit gives the hit point, m/s; errors are shares of it
         # now, next step, last step, shortest step up to where a contact opens, s
@@ -178,6 +181,8 @@ def begin(drive, progress):
         progress.mass, progress.restitution, progress.calm = drive[8], drive[10], drive[11]
         progress.velocity = progress.approach = drive[9]
         progress.scale, progress.error, progress.dt = abs(drive[9]), pace.error, pace.first
+        if progress.crush.points > 0:  # how fast that makes the hit point shows on the way
+            progress.scale *= SLOWEST
         progress.least = pace.first if pace.error < np.inf else np.inf
     return pace
 
@@ -213,9 +218,8 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
         progress.recorded = progress.time
 
     @uncounted
-    def meeting(s, pace, progress, dt, gap, gamma, end, slack):
+    def meeting(pace, progress, dt, instant, gap, gamma, end, slack):
         """Length of an open step that meets the striker on its way, else dt."""
-        instant = mass_of(s) > 0.0
         least = SHORTEST * pace.first if instant else pace.first
         if dt <= least:
             return dt
@@ -234,7 +238,7 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
     @uncounted
     def march(s, pace, progress, records):
         n, end_time, controlled = 0, pace.duration * (1.0 - 1e-12), pace.error < np.inf
-        slowest = APART * progress.approach
+        slowest, crushes = APART * progress.approach, progress.crush.points > 0
         if not progress.begun:
             progress.begun, progress.highest = True, hit(s)[0]
             record(s, pace, progress, records, 0)
@@ -242,11 +246,13 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
         while progress.time < end_time:
             if n + 2 > records.size:
                 return GOING, n
-            (place, speed), struck_mass, mass = hit(s), mass_of(s), progress.mass
+            (place, speed), mass = hit(s), progress.mass
+            struck_mass = 0.0 if crushes else mass_of(s)  # what crushes meets nothing at an instant
             gap, gamma = np.inf, 0.0
             slack = LASTING * progress.approach * pace.first
             if mass > 0.0:
                 gap, gamma = place - progress.place, speed - progress.velocity
+                gap += front(progress.crush)
             if controlled:
                 slack = CLOSE * progress.approach * pace.first + 4.0 * EPS * abs(progress.place)
             if (
@@ -284,8 +290,9 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
                 if progress.dt < pace.first / PIECES:
                     return NO_CONVERGENCE, n
                 continue
-            if controlled and impulse == 0.0:
-                shorter = meeting(s, pace, progress, dt, gap, gamma, end, slack)
+            if controlled and impulse == 0.0 and not crushes:
+                own = struck_mass > 0.0
+                shorter = meeting(pace, progress, dt, own, gap, gamma, end, slack)
                 if shorter < dt:
                     progress.dt = shorter
                     continue
@@ -293,7 +300,9 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
             acceleration = (end - speed) / dt
             change = acceleration - progress.acceleration
             place1 = place + 0.5 * dt * (speed + end)
-            struck = impulse > 0.0 and gamma < -slowest
+            struck = impulse > 0.0 and gamma < -slowest and not crushes
+            if crushes and impulse > 0.0:
+                progress.error, progress.scale = pace.error, max(progress.scale, end)
             if struck:  # factor 0: the next step is as short as the first
                 progress.error = pace.error
             else:

@@ -23,6 +23,7 @@ CLOSER = 0.999  # of the gap, which a step may close before the short step of an
 APART = 1e-9  # of the striker's first velocity; bodies that approach slower do not collide
 SOFT = 1e-3  # of the striker's first velocity; what would rebound slower stays in contact
 RELEASED = 0.95  # of a step in which a contact opens; one that opens later opens at its end
+SLOWEST = 1e-3  # of the striker's first velocity: the hit point's by which steps err, at least
 AT_REST = 1e-4  # of the velocity that the hit gives; a step that ends slower has met the peak
 SHORTEST = 1e-6  # of the first step: the shortest step up to a collision at an instant
 # Control of the length: a repeated step costs as much as a good one, so a miss of 30 % is kept.

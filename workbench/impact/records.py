@@ -7,9 +7,11 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import SolverError
+from workbench.impact.crushing import law_of
 from workbench.impact.integrator import COLLAPSE, NO_CONVERGENCE, PROGRESS, TOO_MANY
 from workbench.impact.pace import PIECES, Pace
 from workbench.responses.histories import peak_of
+from workbench.scenarios import Striker
 
 
 class Run(NamedTuple):
@@ -43,14 +45,21 @@ class Run(NamedTuple):
 
 
 def follow(
-    entry: Any, tables: tuple[Any, ...], pace: Pace, drive: tuple[float, ...], of: Any
+    entry: Any,
+    tables: tuple[Any, ...],
+    pace: Pace,
+    drive: tuple[float, ...],
+    of: Any,
+    striker: Striker | None = None,
 ) -> Run:
     """Follow one impact by the compiled `entry` of a model.
 
     Arguments: the `tables` that it takes first; `pace`; the `drive` after it, see
-    `integrator.begin`; the type `of` its records. Raises `SolverError`.
+    `integrator.begin`; the type `of` its records; the `striker`, for the law by which it crushes.
+    Raises `SolverError`.
     """
     progress, records = np.zeros(1, PROGRESS), np.empty(pace.records, of)
+    progress["crush"] = law_of(striker)
     status, rows = entry(*tables, np.array((*pace, *drive)), progress, records)
     check_end(status, progress[0], pace)
     return Run(records[:rows], progress[0], status == COLLAPSE)

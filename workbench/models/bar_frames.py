@@ -115,5 +115,5 @@ class BarFrames(FrameModel):
         waves = np.array(wave_times(scenario.frame)) / self.parts(scenario)
         peak = time_to_peak(scenario)
         coarsest = min(duration / LEAST_STEPS, 2.0 * float(waves.min()))
-        share = 1.0 if scenario.striker.restitution == 0.0 else 0.5
+        share = 0.5 if scenario.striker.rebounds else 1.0
         return spans_to(peak, duration, peak / PEAK_STEPS, coarsest, share)

@@ -231,7 +231,7 @@ class FrameModel(ABC, Declared, table="option"):
         """Time steps of an impact; the spans of explicit ones are the intervals of the record."""
         striker, assembly, spans = scenario.striker, structure.assembly, self.time_spans(scenario)
         dof, sign = structure.dof(striker.node, striker.direction)
-        mass = PointMass(striker.mass, striker.velocity, striker.restitution)
+        mass = PointMass.of(striker)
         weight, integrator = self.scheme
         if weight is None:
             try:

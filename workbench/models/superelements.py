@@ -196,7 +196,7 @@ class _HingedBars(BarFrames):
         if self.integrator != MIDPOINT:
             return super()._struck(scenario, structure, clock)
         striker, pace = scenario.striker, self.pace(scenario)
-        mass = PointMass(striker.mass, striker.velocity, striker.restitution)
+        mass = PointMass.of(striker)
         dof, sign = structure.dof(striker.node, striker.direction)
         calm = before = 0.0
         while True:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, ClassVar, Self
 
-from workbench.fields import Choice, Declared, Flag, Instance, Number, Text, checked
+from workbench.fields import Choice, Declared, Flag, Instance, Many, Number, Text, checked
 from workbench.materials import Steel
 from workbench.scenarios.parts import (
     FORCE,
@@ -24,6 +25,16 @@ MASS = Number(0.0, 1e7, "kg", low_included=False)
 VELOCITY = Number(0.0, 300.0, "m/s", low_included=False, advice="velocities are in m/s, not km/h")
 RESTITUTION = Number(0.0, 1.0)
 DURATION = Number(1e-9, 10.0, "s", advice="durations are in seconds")
+MOST_POINTS = 50  # of a crush law
+STIFFNESS = Number(1.0, 1e12, "N/m")
+
+
+@dataclass(frozen=True)
+class CrushLaw(Many):
+    """Points of a force over a stroke."""
+
+    def _allowed(self) -> str:
+        return f"points [[stroke in m, force in N], ...], {self.shortest} to {self.longest} of them"
 
 
 @dataclass(frozen=True)
@@ -106,15 +117,62 @@ class Column(Declared, table="column"):
 
 @dataclass(frozen=True)
 class Striker(Declared, table="striker"):
-    """A rigid mass that hits the column."""
+    """A mass that hits the column, rigid or behind a front that crushes by its law.
+
+    Raises `InputError`.
+    """
 
     mass: float = checked(MASS)
     velocity: float = checked(VELOCITY)
     restitution: float = checked(RESTITUTION, 0.0, help="Newton's, velocity after over before")
+    stiffness: float | None = checked(
+        STIFFNESS, optional=True, help="of what crushes: force over stroke, unloading is steep"
+    )
+    crush: tuple[tuple[float, float], ...] | None = checked(
+        CrushLaw(Many(Number(0.0, 1e12), 2, 2), 2, MOST_POINTS),
+        optional=True,
+        help="from [0, 0] on, straight between its points, behind the last one its force",
+    )
+
+    def check(self) -> None:
+        """Refuse two laws, laws that are none, and a restitution beside one."""
+        if self.crushes and self.restitution > 0.0:
+            text = "must be 0 where the striker crushes: its law says what comes back"
+            raise self.refusal("restitution", text, "drop it, or stiffness and crush")
+        if self.crush is None:
+            return
+        if self.stiffness is not None:
+            raise self.refusal("stiffness", "cannot stand beside crush", "give one of them")
+        if self.crush[0] != (0.0, 0.0):
+            raise self.refusal("crush", "must begin with [0, 0]", "without stroke there is no force")
+        slopes = []
+        for (stroke, force), (next_stroke, next_force) in pairwise(self.crush):
+            if next_stroke <= stroke:
+                text = f"strokes must rise, after {stroke:g} m comes {next_stroke:g} m"
+                raise self.refusal("crush", text, "sort the points, each stroke once")
+            slopes.append((next_force - force) / (next_stroke - stroke))
+        if not 0.0 < max(slopes) <= STIFFNESS.high:
+            text = f"must rise somewhere, nowhere by more than {STIFFNESS.high:g} N/m"
+            raise self.refusal("crush", text, "forces are in N, strokes in m")
+
+    @property
+    def crushes(self) -> bool:
+        """Whether it has a law by which it crushes."""
+        return self.stiffness is not None or self.crush is not None
+
+    @property
+    def rebounds(self) -> bool:
+        """Whether it may be thrown off and come back."""
+        return self.restitution > 0.0 or self.crushes
+
+    @property
+    def alone(self) -> "Striker":
+        """The striker without the place that it hits."""
+        return Striker(self.mass, self.velocity, self.restitution, self.stiffness, self.crush)
 
 
 class Impact:
-    """The impact of a rigid striker on a structure."""
+    """The impact of a striker on a structure."""
 
     striker: Any
 
@@ -151,7 +209,7 @@ class ColumnPushover(Declared, table="pushover"):
 
 @dataclass(frozen=True)
 class ColumnImpact(Impact, Declared, table="time"):
-    """A rigid striker hits the column at rest."""
+    """A striker hits the column at rest."""
 
     name: str = checked(Text(), path="name")
     column: Column = checked(Instance(Column))

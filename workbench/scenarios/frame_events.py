@@ -37,7 +37,7 @@ HEADS = {"guided": "guide-y", "pinned": "roller-y", "fixed": "guide-y"}
 
 @dataclass(frozen=True)
 class FrameStriker(Striker):
-    """A rigid mass that hits a node of a frame."""
+    """A mass that hits a node of a frame."""
 
     _: KW_ONLY
     node: str = checked(NAME)
@@ -110,7 +110,7 @@ class FrameStatic(Declared, table="push"):
 
 @dataclass(frozen=True)
 class FrameImpact(Impact, Declared, table="time"):
-    """A rigid striker hits a frame at rest under its dead loads."""
+    """A striker hits a frame at rest under its dead loads."""
 
     name: str = checked(Text(), path="name")
     frame: Frame = checked(FRAME)
@@ -261,8 +261,7 @@ def frame_scenario(
         return scenario
     frame, name = frame_of(scenario.column), scenario.name
     if isinstance(scenario, ColumnImpact):
-        mass, velocity, restitution = astuple(scenario.striker)
-        striker = FrameStriker(mass, velocity, restitution, node="hit", direction="+x")
+        striker = FrameStriker(*astuple(scenario.striker), node="hit", direction="+x")
         return FrameImpact(name, frame, striker, scenario.duration)
     pattern = (Load("hit", x=1.0),)
     if isinstance(scenario, ColumnPushover):

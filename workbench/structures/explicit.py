@@ -12,7 +12,7 @@ Sources: Belytschko, Liu and Moran 2000, section 6.2; Moreau 1988.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from math import ceil
+from math import ceil, sqrt
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh
@@ -20,6 +20,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from workbench.arrays import Array
 from workbench.errors import SolverError
 from workbench.impact import contact
+from workbench.impact.crushing import force_at, law_of
 from workbench.structures.elements import StepEnergies
 from workbench.structures.equilibrium import Structure
 from workbench.structures.time_steps import PointMass, TimeStep
@@ -77,13 +78,17 @@ def explicit_impact(
     Yields a `TimeStep` for every record: its sums run over all steps since the last one, its
     `kinetic` energy is that of the scheme. Raises `SolverError` when the energy balance is lost.
     """
-    duration = spans[-1][0]
-    count = ceil(duration / min(step, SAFETY * stable_step(assembly)))
-    dt = duration / count
+    duration, law = spans[-1][0], law_of(striker.crushing)
     mass = lumped_mass(assembly)
     free = np.isfinite(mass)
     inverse = 1.0 / mass
     node_mass = float(mass[dof])
+    stable = stable_step(assembly)
+    if law["points"]:  # its spring adds at most so much to the square of the highest frequency
+        square = law["unloading"] * (1.0 / node_mass + 1.0 / striker.mass)
+        stable = 1.0 / sqrt(1.0 / stable**2 + 0.25 * square)
+    count = ceil(duration / min(step, SAFETY * stable))
+    dt = duration / count
     assembly.begin_step(dt)
 
     acceleration = inverse * (assembly.load - assembly.resist(assembly.displacement))
@@ -101,10 +106,15 @@ def explicit_impact(
             before = sign * float(half[dof]) - velocity
             half = half + dt * acceleration
             gap = sign * float(assembly.displacement[dof]) - origin - position
-            if gap + dt * min(before, 0.0) <= 0.0:
+            impulse = 0.0
+            if law["points"]:
+                law["crushed"] = max(law["crushed"], -gap)
+                impulse = dt * force_at(law, -gap)[0]
+            elif gap + dt * min(before, 0.0) <= 0.0:
                 without = sign * float(half[dof]) - velocity
                 masses = node_mass, striker.mass
                 impulse = contact.explicit_percussion(without, before, striker.restitution, *masses)
+            if impulse > 0.0:
                 half[dof] += sign * impulse / node_mass
                 velocity -= impulse / striker.mass
                 after = sign * float(half[dof]) - velocity

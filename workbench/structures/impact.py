@@ -23,6 +23,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.impact import contact
+from workbench.impact.crushing import TRIES, approach_at, crush_line, force_at, law_of, obeys
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.time_steps import (
     TOLERANCE,
@@ -39,6 +40,7 @@ from workbench.structures.time_steps import (
 MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER = "midpoint", "moreau", "gear-gupta-leimkuhler"
 INTEGRATORS = (MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER)
 COLLISION = 1e-5  # of the striker's first energy: what a resolved collision may turn over
+CRUSHED = 256  # least part of a step into which the change of the force of a crush law cuts it
 OPENING = 32  # steps from the first contact on before their length is doubled
 
 
@@ -91,7 +93,8 @@ class _Stepper:
         self.assembly, self.dof, self.sign = assembly, dof, sign
         self.striker, self.weight, self.tolerance = striker, weight, tolerance
         self.shortest = np.inf  # step of a collision that is not halved, in s
-        self._collision = COLLISION * striker.kinetic_energy
+        self._collision, self._approach = COLLISION * striker.kinetic_energy, striker.velocity
+        self._law, self._longest = law_of(striker.crushing), 0.0
         self._origin = sign * float(assembly.displacement[dof])
         self._before: Array | None = None  # internal forces of the committed state
         self._rate: Array | None = None  # mean velocities of the last step
@@ -114,6 +117,8 @@ class _Stepper:
     def advance(self, _begin: float, dt: float) -> tuple[TimeStep | None, int, float]:
         """Take a step with the right contact state and commit it, if it can be solved."""
         gap, approach = self.gap, self._along(self.assembly.velocity) - self.striker.velocity
+        if self._law["points"]:
+            return self._crush(dt, approach)
         evaluations, residual = 0, 0.0
         touches = contact.may_touch(gap, approach, dt, 0.0)
         # what ends in overlap must have met on the way
@@ -145,16 +150,7 @@ class _Stepper:
             if apart > 0.0:  # the gap closes at the end of the step
                 touch = 2.0 * (striker.velocity - gap / dt) - self._along(self.assembly.velocity)
             pull = Pull(self.dof, self.sign, striker.mass, touch)
-        trial = solve_step(
-            self.assembly,
-            dt,
-            self.weight,
-            self.assembly.load,
-            self.tolerance,
-            pull=pull,
-            before=self._before,
-            ahead=None if self._rate is None else dt * self._rate,
-        )
+        trial = self._solve(dt, pull)
         end = self._along(trial.velocity)
         if closed:
             impulse = striker.mass * (touch - end) - 2.0 * apart / dt
@@ -167,6 +163,47 @@ class _Stepper:
             apart_still = gap + dt * mean >= 0.0
             admissible = apart_still and (gap > 0.0 or admissible)
         return trial._replace(admissible=admissible)
+
+    def _solve(self, dt: float, pull: Pull | None) -> Trial:
+        """Solve one step with a contact that pulls so, or none."""
+        return solve_step(
+            self.assembly,
+            dt,
+            self.weight,
+            self.assembly.load,
+            self.tolerance,
+            pull=pull,
+            before=self._before,
+            ahead=None if self._rate is None else dt * self._rate,
+        )
+
+    def _crush(self, dt: float, approach: float) -> tuple[TimeStep | None, int, float]:
+        """Take a step of a striker that crushes: as `contact_step_of` does.
+
+        Not if the force changes by more work than a collision may turn over, in so many halves.
+        """
+        law, mass, start, evaluations = self._law, self.striker.mass, -self.gap, 0
+        law["crushed"] = max(law["crushed"], start)
+        speeds, reached = self.striker.velocity - approach, start - dt * approach
+        self._longest = max(self._longest, dt)
+        wanted, lighter, touch = crush_line(law, start, reached, dt, mass, speeds)
+        for _ in range(TRIES):
+            pull = Pull(self.dof, self.sign, lighter, touch) if wanted > 0.0 else None
+            trial = self._solve(dt, pull)
+            evaluations += trial.solution.evaluations
+            if not trial.solution.converged:
+                break
+            end = self._along(trial.velocity)
+            impulse = 0.0 if pull is None else lighter * (touch - end)
+            reached = approach_at(start, dt, mass, speeds, impulse, end)
+            wanted, lighter, touch = crush_line(law, start, reached, dt, mass, speeds)
+            if obeys(law, impulse, wanted, mass, self._approach):
+                change = force_at(law, reached)[0] - force_at(law, start)[0]
+                turned = 0.5 * abs(change * (reached - start))
+                if turned > self._collision and dt > self._longest / CRUSHED:
+                    break
+                return self._commit(trial._replace(impulse=impulse), dt, approach), evaluations, 0.0
+        return None, evaluations, trial.solution.residual
 
     def _commit(self, trial: Trial, dt: float, approach: float) -> TimeStep:
         """Commit a solved step and account for its energies."""

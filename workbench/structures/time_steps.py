@@ -21,6 +21,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import SolverError
+from workbench.scenarios import Striker
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import StepEnergies
 from workbench.structures.equilibrium import Solution, newton, pieces
@@ -34,16 +35,23 @@ Spans = Sequence[tuple[float, float]]  # end times and nominal steps of parts of
 
 @dataclass(frozen=True)
 class PointMass:
-    """A rigid striker at one dof: `mass` (kg), `velocity` (m/s), `position` (m), `restitution`.
+    """A striker at one dof: `mass` (kg), `velocity` (m/s), `position` (m), `restitution`.
 
     Velocity and position are along the strike, the position from where the struck dof is when the
-    record starts: 0 is first contact, and less is farther away.
+    record starts: 0 is first contact, and less is farther away. `crushing`: the striker of a
+    scenario, for its law (None: rigid).
     """
 
     mass: float
     velocity: float
     restitution: float = 0.0
     position: float = 0.0
+    crushing: Striker | None = None
+
+    @classmethod
+    def of(cls, striker: Striker) -> "PointMass":
+        """The striker of a scenario at first contact."""
+        return cls(striker.mass, striker.velocity, striker.restitution, crushing=striker)
 
     @property
     def kinetic_energy(self) -> float:

@@ -20,6 +20,7 @@ from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, SolverError
 from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.collapse import COLLAPSE_SIDEWAYS
+from workbench.impact.crushing import followed
 from workbench.impact.pace import Pace
 from workbench.impact.records import Run, follow, histories_of
 from workbench.models.base import Answering
@@ -189,12 +190,13 @@ class RigidBars(Answering):
         square = axial * (1.0 / column.length_below + 1.0 / column.length_above)
         first = _FIRST * float(np.sqrt(column.properties.impact_mass / square))
         share = 0.25**refinement
-        control = self._CONTROL[scenario.striker.restitution > 0.0]
+        control = self._CONTROL[scenario.striker.rebounds]
         error, vibration, flow = (share * each for each in control)
         longest = share * duration / _FEWEST
         first = min(share * first, longest)
         spacing = duration / _RECORDS
-        return Pace(duration, first, longest, error, vibration, flow, spacing, _MOST_STEPS)
+        pace = Pace(duration, first, longest, error, vibration, flow, spacing, _MOST_STEPS)
+        return followed(pace, scenario.striker, column.properties.impact_mass)
 
     def pushed(
         self, column: Column, displacement: float, least: float = -inf
@@ -260,7 +262,7 @@ class RigidBars(Answering):
         if bars["sliding"] == kinematics.CHORD:
             turned -= _WITH_CHORD * (records["plastic"][:, 3] / bars["lengths"][:, None])[_BARS]
         values |= _histories(scenario.column, bars, records)
-        values |= {"plastic_rotation": turned, **run.peak(scenario.striker.restitution > 0.0)}
+        values |= {"plastic_rotation": turned, **run.peak(scenario.striker.rebounds)}
         warnings = self._reached(scenario.column, values)
         response = build_response(
             values, time=records["time"], hinges=tuple(HINGES), segments=SEGMENTS, warnings=warnings
@@ -278,7 +280,7 @@ class RigidBars(Answering):
         if _along_tangent(table[0]):
             room["finish_below"] = march.NEARLY if pace.error < inf else march.CLOSELY
         drive = striker.mass, striker.velocity, striker.restitution, 0.0
-        run = follow(_ENTRIES[self.integrator], (table, states, room), pace, drive, march.RECORD)
+        run = follow(_ENTRIES[self.integrator], (table, states, room), pace, drive, march.RECORD, striker)
         if run.collapsed:
             raise _collapsed(table[0], run.records[-1])
         return table[0], run

@@ -20,6 +20,7 @@ from workbench.arrays import Array
 from workbench.errors import CollapseError, OutOfDomainError, SolverError
 from workbench.fields import Choice, Number, checked
 from workbench.impact import collide
+from workbench.impact.crushing import followed
 from workbench.impact.pace import Pace
 from workbench.impact.records import Run, follow
 from workbench.models.domain import step_finding
@@ -203,11 +204,12 @@ class SingleDof(OnCurve):
     def _march(self, scenario: ColumnImpact) -> tuple[Run, ResistanceCurve]:
         """Follow one impact. Raises `SolverError`, `OutOfDomainError`, `CollapseError`."""
         column, striker = scenario.column, scenario.striker
-        bounces, given = striker.restitution > 0.0, self.given(scenario)
-        curve, limit, pace = _prepared(self, column, scenario.duration, bounces, given)
+        given = self.given(scenario)
+        curve, limit, pace = _prepared(self, column, scenario.duration, striker.rebounds, given)
+        pace = followed(pace, striker, column.properties.impact_mass)
         blow = striker.mass, striker.velocity, striker.restitution, 0.0
         drive = *blow, curve.elastic_limit, limit, column.properties.impact_mass
-        run = follow(_ENTRIES[self.integrator], (curve.pieces,), pace, drive, march.RECORD)
+        run = follow(_ENTRIES[self.integrator], (curve.pieces,), pace, drive, march.RECORD, striker)
         if run.collapsed:
             v, w = (float(run.records[name][-1]) for name in ("displacement", "velocity"))
             raise columns.collapsed(curve, column, limit, run.progress["time"] - (v - limit) / w)
@@ -284,15 +286,17 @@ def _prepared(
 def _scalars(scenario: ColumnImpact, run: Run, curve: ResistanceCurve) -> dict[str, float]:
     """Scalar results of an impact; without a peak in the record only those of the contact."""
     striker, percussion = scenario.striker, run.records["percussion"].copy()
-    values = run.peak(striker.restitution > 0.0)
+    values = run.peak(striker.rebounds)
     if values:
         plastic = run.records["plastic"]  # after the peak reverse yielding takes some back
         changed = plastic[-1] - plastic.max()
         values["residual_displacement"] = curve.residual(values["peak_displacement"]) + changed
+    values["impulse"] = float(percussion.sum())
+    if striker.crushes:
+        return values
     # the first collision is recorded with the first step but happens at time 0
     mass = scenario.column.properties.impact_mass
     first = collide(mass, striker.mass, striker.velocity, striker.restitution).percussion
-    values["impulse"] = float(percussion.sum())
     percussion[:2] = first, percussion[1] - first
     time = np.concatenate([[0.0, _INSTANT], run.records["time"][1:]])
     values["peak_force"] = peak_contact_force(time, np.concatenate([[0.0], percussion]))

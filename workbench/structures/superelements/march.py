@@ -8,6 +8,7 @@ import numpy as np
 from workbench.arrays import Array, Indices
 from workbench.compiled import njit
 from workbench.impact.contact import contact_step_of, inner
+from workbench.impact.crushing import law_of
 from workbench.impact.integrator import (
     COLLAPSE,
     COMMON,
@@ -286,7 +287,7 @@ def follow_impact(
     scratch: list[Array] = [*np.empty((2, assembly.band.size)), *np.zeros((8, assembly.size))]
     work = Work._make([*scratch, np.zeros(assembly.size, np.int64)])
     progress = np.zeros(1, PROGRESS)
-    progress["place"] = striker.position
+    progress["place"], progress["crush"] = striker.position, law_of(striker.crushing)
     drive = np.array([*pace, striker.mass, striker.velocity, striker.restitution, calm])
     size = 2 * assembly.size + sum(values.size for values in old)
     rows, status = max(3, min(1024, NUMBERS // size)), GOING
