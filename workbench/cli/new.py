@@ -53,16 +53,22 @@ def striker(
     distance: float = option("From where it leaves its lane to the column, m.", 0.0, "M"),
     deceleration: float = option("On this way, m/s2.", 3.0, "A"),
     angle: float = option("To the road, degrees.", 10.0, "DEGREES"),
+    crushing: bool = option("It crushes, with 300 kN/m.", False, flag="--crushing"),
     as_json: Json = False,
 ) -> Answer:
     """A vehicle of EN 1991-1-7, Table C.2, as the table [striker] of a scenario."""
-    from workbench.scenarios.traffic import TRAFFIC, design_striker
+    from workbench.scenarios.traffic import TRAFFIC, VEHICLE_STIFFNESS, design_striker
 
     made = design_striker(traffic, distance, deceleration, angle)
+    front = "# rigid, an upper bound: --crushing gives it the stiffness of a vehicle\n"
+    if crushing:
+        front = (
+            f"stiffness = {VEHICLE_STIFFNESS!r}  # Annex C; JCSS Probabilistic Model Code, 2.18\n"
+        )
     text = (
         f"# {TRAFFIC[traffic].title}: EN 1991-1-7, Table C.2, recalled and not verified in print\n"
         f"# braked by {deceleration:g} m/s2, {distance:g} m from its lane, at {angle:g} degrees\n"
-        f"[striker]\nmass = {made.mass!r}\nvelocity = {made.velocity:.9g}\n"
+        f"[striker]\nmass = {made.mass!r}\nvelocity = {made.velocity:.9g}\n{front}"
     )
     return _printed(text, as_json)
 

@@ -166,6 +166,8 @@ def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -
     error = ExpectedError(**answer["error"])
     if error.collapse is not None:
         yield Paragraph(f"Error of the peak displacement: {error}.")
+    for note in answer["notes"]:
+        yield Paragraph(f"Note: {note}.")
     yield from warnings(answer["warnings"])
     if len(rows) > _ROWS and not full:
         yield Paragraph(f"{len(rows) - _ROWS} more numbers with --full.")

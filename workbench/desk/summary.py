@@ -11,6 +11,7 @@ import pandas as pd
 
 from workbench.content.formatting import in_unit, number, unit_of
 from workbench.evidence.error_model import PEAK, ExpectedError
+from workbench.models.domain import VEHICLE
 from workbench.responses import (
     ENERGIES,
     SCALARS,
@@ -27,6 +28,10 @@ from workbench.responses import (
 from workbench.responses.variables import INTEGRATORS, STUD_TESTS
 from workbench.scenarios import FrameImpact, Scenario
 
+UPPER_BOUND = (  # no warning: it holds of most scenarios and says nothing about the model
+    "the striker is rigid; if it is a vehicle this is an upper bound, as its front crushes "
+    "(striker.stiffness or striker.crush)"
+)
 TABLED = (PEAK, "time_of_peak", "residual_displacement", "peak_force", "impulse")
 
 
@@ -128,6 +133,7 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         "places": places_of(response),
         **_parts(response, scenario),
         "rate_factor": response.attrs.get("rate_factor"),
+        "notes": [UPPER_BOUND] if _is_rigid_vehicle(scenario) else [],
         "error": attribute("error"),
         "numerical_uncertainty": attribute("numerical_uncertainty"),
         "refinement": attribute("refinement"),
@@ -157,6 +163,12 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         for name in ("displacement", "force"):
             result[name] = response[name].to_numpy().tolist() if name in response else None
     return result
+
+
+def _is_rigid_vehicle(scenario: Scenario) -> bool:
+    """Whether a rigid striker hits that is as heavy as a vehicle."""
+    striker = getattr(scenario, "striker", None)
+    return striker is not None and striker.mass >= VEHICLE and not striker.crushes
 
 
 def _parts(response: Response, scenario: Scenario) -> dict[str, Any]:

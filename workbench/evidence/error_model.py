@@ -147,6 +147,9 @@ def truth_ratio(scenario: Any) -> TruthRatio:
 
     Of a scenario that has a table; with what the finest reference says of the reference.
     """
+    striker = getattr(scenario, "striker", None)
+    if striker is not None and striker.crushes:
+        return TruthRatio(np.empty(0), reason="errors were measured with rigid strikers")
     table, steel = _table(scenario), steel_of(scenario)
     if steel is not None and (steel.rate or steel.hardening_modulus) is not None:
         reason = "errors were measured without strain rate and hardening"

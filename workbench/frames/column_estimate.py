@@ -25,7 +25,6 @@ from workbench.scenarios import (
     FrameImpact,
     FrameStriker,
     Load,
-    Striker,
     frame_of,
 )
 from workbench.scenarios.parts import OVERRIDES

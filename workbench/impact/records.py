@@ -59,7 +59,8 @@ def follow(
     Raises `SolverError`.
     """
     progress, records = np.zeros(1, PROGRESS), np.empty(pace.records, of)
-    progress["crush"] = law_of(striker)
+    if striker is not None and striker.crushes:
+        progress["crush"] = law_of(striker)
     status, rows = entry(*tables, np.array((*pace, *drive)), progress, records)
     check_end(status, progress[0], pace)
     return Run(records[:rows], progress[0], status == COLLAPSE)

@@ -64,6 +64,11 @@ class BarFrames(FrameModel):
         return WEIGHT, self.integrator
 
     @property
+    def crushing(self) -> bool:
+        """Whether its steps know a striker that crushes."""
+        return self.integrator == MIDPOINT
+
+    @property
     def largest_error(self) -> float | None:
         """That of the energy ledger, which is open by design with Moreau's time stepping."""
         return None if self.integrator == MOREAU else OPEN_LEDGER

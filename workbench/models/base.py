@@ -8,11 +8,14 @@ from collections.abc import Callable, Mapping
 from functools import cache, lru_cache
 from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
+import numpy as np
+
 from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
 from workbench.fields import Declared, check_keys
 from workbench.models.domain import implausible
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import (
+    VARIABLES,
     Finding,
     Outcome,
     Response,
@@ -25,7 +28,7 @@ from workbench.responses import (
     refused_response,
     set_findings,
 )
-from workbench.scenarios import Scenario, canonical
+from workbench.scenarios import Scenario, Striker, canonical
 
 M = TypeVar("M")
 
@@ -37,7 +40,8 @@ class Model(Protocol):
     `name` and `version` (raised when its numbers change) identify it; `answers` lists the
     scenario kinds; `assumptions` are sentences for the report. A model that knows strain rate or
     hardening by itself has a `material` that names them; the others run with the factor of
-    `with_strain_rate` on the yield stress.
+    `with_strain_rate` on the yield stress. Optional: `crushing`, whether it answers strikers that
+    crush, with what they cost as its `contact_loss`.
     """
 
     name: ClassVar[str]
@@ -77,11 +81,17 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
     solved, factor, left_out = with_strain_rate(model, scenario)
     for each in (*model.domain(scenario), *implausible(scenario), *left_out):
         (refusals if each.refusal else warnings).append(each)
+    striker = getattr(scenario, "striker", None)
+    crushing = striker if striker is not None and striker.crushes else None
+    if crushing is not None and not getattr(model, "crushing", False):
+        refusals.append(finding("rigid-striker-alone", name=model.name))
     if refusals:
         response = refused_response(refusals)
     else:
         try:
             response = solve(solved)
+            if crushing is not None:
+                response = crushed(response, crushing)
             check_response(response)
         except CollapseError as error:
             response = collapsed_response(error)
@@ -94,6 +104,26 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
     if factor != 1.0:
         response.attrs["rate_factor"] = factor
     return _signed(response, model, scenario, started)
+
+
+def crushed(response: Response, striker: Striker) -> Response:
+    """The response to a striker that crushes: what the contact took is what that has cost.
+
+    It says so where the striker was crushed past the last point of its law.
+    """
+    if "contact_loss" not in response:
+        return response
+    response = response.rename(contact_loss="crushing")
+    response["crushing"].attrs = VARIABLES["crushing"].attributes
+    if striker.crush is not None:
+        strokes, forces = np.transpose(striker.crush)
+        beyond = float(response["crushing"].max() - np.trapezoid(forces, strokes))
+        last = float(strokes[-1])
+        if beyond > 1e-6 * striker.energy and forces[-1] > 0.0:
+            reached = last + beyond / float(forces[-1])
+            past = finding("past-crush-law", reached, last=last)
+            set_findings(response, [*findings_of(response), past])
+    return response
 
 
 class Answering(Declared, ABC, table="option"):

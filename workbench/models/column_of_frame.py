@@ -97,6 +97,11 @@ class ColumnOfFrame(Answering):
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
+    @property
+    def crushing(self) -> bool:
+        """Whether the model of the column knows a striker that crushes."""
+        return bool(getattr(MODELS[self.model], "crushing", False))
+
     def check(self) -> None:
         """Refuse a yielding restraint where the model's spring is elastic."""
         if self.restraint == "yielding" and self.model != RigidSuperelement.name:

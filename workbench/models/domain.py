@@ -105,7 +105,7 @@ def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Fin
     if share < 1.0 and fewest < _ENOUGH:
         wanted = max(_ENOUGH, *parts)  # fewer beside the node share more mass with the striker
         light = [finding("light-striker", share, share=share, fewest=fewest, wanted=wanted)]
-    if lost <= _MUCH_SHARED:
+    if lost <= _MUCH_SHARED or striker.crushes:  # which does not collide at an instant
         return light
     hit = finding("hit-mass", lost, node=striker.node, mass=shared, percent=100.0 * lost)
     return [*light, hit]
@@ -116,7 +116,7 @@ LEAST_LOAD = 1e-3  # of the squash load, below which loads look like kN
 _LEAST_PULSE = 5e-3  # of the plastic shear resistance
 _LEAST_MASS = 0.01  # of the steel, below which masses look like t
 _SI = {"kN": "N", "t": "kg"}
-_FAST, _VEHICLE = 60.0, 500.0  # m/s and kg: beyond both a velocity looks like km/h
+_FAST, VEHICLE = 60.0, 500.0  # m/s and kg: beyond both a velocity looks like km/h
 _STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
 _FEW_PERCENT, _MUCH = 0.01, 0.1  # between the strength of a section and that of a member
 _STUB = 2.0  # length of a segment over the height of its section
@@ -291,7 +291,7 @@ def implausible(scenario: Scenario) -> list[Finding]:
                 )
             )
     striker = getattr(scenario, "striker", None)
-    if striker is not None and striker.velocity > _FAST and striker.mass >= _VEHICLE:
+    if striker is not None and striker.velocity > _FAST and striker.mass >= VEHICLE:
         findings.append(finding("fast-vehicle", striker.velocity, speed=3.6 * striker.velocity))
     return findings
 

@@ -5,7 +5,8 @@ Comité Euro-International du Béton 1988; Heng 2017, chapter 3, figure 3.1.
     m_A x''  + R_1(x - v) = 0            striker, with the spring R_1 of what crushes
     m_B v''  - R_1(x - v) + R_2(v) = 0   impact mass of the column on its resistance R_2
 
-R_1 is linear up to the crush force, flows there, unloads with its stiffness and cannot pull. The
+R_1 is linear up to the crush force, flows there, unloads with its stiffness and cannot pull; or it
+is the law by which the striker of the scenario crushes (`impact.crushing`). The
 leapfrog rule steps through: of second order, its energy bounded below the stability limit.
 """
 
@@ -19,6 +20,7 @@ from workbench.compiled import njit
 from workbench.errors import SolverError
 from workbench.fields import Choice, Number, checked
 from workbench.impact.contact import uncounted
+from workbench.impact.crushing import UNLOADING, force_at, law_of
 from workbench.impact.integrator import DRIVE, Model, begin, march_of, no_flow
 from workbench.impact.pace import Pace
 from workbench.impact.records import follow
@@ -41,8 +43,8 @@ from workbench.models.single_dof.spring import spring_moved
 from workbench.responses import Finding, Response, build_response, energy_error, finding
 from workbench.responses.histories import still_grows
 from workbench.scenarios import ColumnImpact
+from workbench.scenarios.traffic import VEHICLE_STIFFNESS
 
-VEHICLE_STIFFNESS = 3.0e5  # N/m, cars, EN 1991-1-7, Annex C
 _STEPS_PER_PERIOD = 100  # of the highest frequency of both springs
 _FEWEST_STEPS, _MOST_STEPS = 500, 1_000_000
 _BALANCE = 1e-3  # of the input energy, which the ledger may be open
@@ -75,8 +77,14 @@ def step(s, progress, dt, may):
     half = now.w + 0.5 * dt * (now.contact - now.force) / mass
     spring = spring_moved(one_mass.spring_of(now), now.v + dt * half, s.pieces)
     new.x = now.x + dt * (progress.velocity - 0.5 * dt * now.contact / striker)
-    new.contact, new.crushed = crush(new.x - spring.v, now.crushed, s.stiffness, s.crush_force)
-    lost = s.crush_force * (new.crushed - now.crushed) if new.crushed > now.crushed else 0.0
+    approach, law = new.x - spring.v, progress.crush
+    if law.points > 0:
+        law.crushed = max(law.crushed, now.x - now.v)
+        new.contact = force_at(law, approach)[0]
+        lost = 0.5 * (now.contact + new.contact) * (approach - now.x + now.v)
+    else:
+        new.contact, new.crushed = crush(approach, now.crushed, s.stiffness, s.crush_force)
+        lost = s.crush_force * (new.crushed - now.crushed) if new.crushed > now.crushed else 0.0
     one_mass.put(new, spring)
     new.w = half + 0.5 * dt * (new.contact - spring.force) / mass
     return True, 0.5 * dt * (now.contact + new.contact), new.w, lost
@@ -102,7 +110,10 @@ _march = march_of(Model(one_mass.hit, None, no_flow, accept, write, one_mass.los
 
 @njit(cache=True, error_model="numpy")
 def impact(pieces, drive, progress, records):
-    """Follow an impact as `single_dof.march.impact`; the drive goes on with stiffness and force."""
+    """Follow an impact as `single_dof.march.impact`; the drive goes on with stiffness and force.
+
+    The stiffness is infinite, so that nothing is stored, where the striker crushes by its own law.
+    """
     states, numbers = one_mass.at_rest(drive, pieces), drive[DRIVE:]
     s = TwoMasses(states, pieces, numbers[1], numbers[3], numbers[4])
     return _march(s, begin(drive, progress[0]), progress[0], records)
@@ -113,8 +124,9 @@ class SoftImpact(OnCurve):
     """Two masses on two springs: what of the vehicle crushes, and the column.
 
     Options: `striker_stiffness` in N/m of what crushes (300 kN/m: cars, EN 1991-1-7, Annex C);
-    `crush_force` in N at which it flows (None: it stays elastic); `resistance` of the column,
-    `rotational_stiffness`, `interaction`, `hit_mass` and `rate_factor` as in `single-dof`.
+    `crush_force` in N at which it flows (None: it stays elastic), both where the striker of the
+    scenario has no law of its own; `resistance` of the column, `rotational_stiffness`,
+    `interaction`, `hit_mass` and `rate_factor` as in `single-dof`.
     """
 
     striker_stiffness: float = checked(Number(1.0, 1e12, "N/m"), VEHICLE_STIFFNESS)
@@ -128,6 +140,7 @@ class SoftImpact(OnCurve):
     name: ClassVar[str] = "soft-impact"
     version: ClassVar[int] = 4
     judged: ClassVar[bool] = False
+    crushing: ClassVar[bool] = True
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "The striker is a mass behind one spring, linear up to its crush force, that cannot pull; "
@@ -151,7 +164,7 @@ class SoftImpact(OnCurve):
         findings = [
             f for f in columns.curve_findings(scenario, self.resistance) if f.subject != "shear"
         ]
-        if self.striker_stiffness == VEHICLE_STIFFNESS:
+        if self.striker_stiffness == VEHICLE_STIFFNESS and not scenario.striker.crushes:
             findings.append(finding("stiffness-of-cars", stiffness=VEHICLE_STIFFNESS / 1e3))
         return findings
 
@@ -160,8 +173,12 @@ class SoftImpact(OnCurve):
         scenario = with_hit_mass(scenario, self.hit_mass)
         column, curve = scenario.column, self.curve(scenario)
         mass, striker = column.properties.impact_mass, scenario.striker
-        stiffest = curve.unloading_stiffness(columns.reach(column)) + self.striker_stiffness
-        frequency = float(np.sqrt(stiffest / mass + self.striker_stiffness / striker.mass))
+        law, loading = law_of(striker), self.striker_stiffness
+        if striker.crushes:
+            loading = float(law["unloading"]) / UNLOADING
+        unloading = float(law["unloading"]) if striker.crushes else loading
+        stiffest = curve.unloading_stiffness(columns.reach(column)) + unloading
+        frequency = float(np.sqrt(stiffest / mass + unloading / striker.mass))
         steps = scenario.duration * frequency * _STEPS_PER_PERIOD / (2.0 * np.pi)
         count = int(np.clip(np.ceil(steps), _FEWEST_STEPS, _MOST_STEPS))
         step = scenario.duration / count
@@ -169,10 +186,11 @@ class SoftImpact(OnCurve):
             where = f"steps of {step:.2g} s, at most {_MOST_STEPS:.0e} are kept"
             raise SolverError(where, step * frequency, "a softer striker or a shorter record")
         force = np.inf if self.crush_force is None else self.crush_force
+        stiffness = np.inf if striker.crushes else self.striker_stiffness
         blow, limit = (striker.mass, striker.velocity, 0.0, 0.0), columns.limit_of(curve, column)
-        drive = *blow, curve.elastic_limit, limit, mass, self.striker_stiffness, force
+        drive = *blow, curve.elastic_limit, limit, mass, stiffness, force
         pace = Pace.equal(scenario.duration, step, count)
-        run = follow(impact, (curve.pieces,), pace, drive, one_mass.RECORD)
+        run = follow(impact, (curve.pieces,), pace, drive, one_mass.RECORD, striker)
         records = run.records
         if run.collapsed:
             reached, when = float(records["displacement"][-1]), float(records["time"][-1])
@@ -192,7 +210,7 @@ class SoftImpact(OnCurve):
         if records["percussion"][-1] > 0.0 and records["striker_velocity"][-1] > 0.0:
             values |= dict.fromkeys(("peak_displacement", "time_of_peak", "residual_displacement"))
             if not still_grows(records["displacement"]):
-                longer = float(np.pi * np.sqrt(striker.mass / self.striker_stiffness))
+                longer = float(np.pi * np.sqrt(striker.mass / loading))
                 warnings.append(finding("still-pushing", duration=scenario.duration, longer=longer))
         response = build_response(values, time=time, segments=columns.SEGMENTS, warnings=warnings)
         error = energy_error(response)

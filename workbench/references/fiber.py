@@ -78,6 +78,7 @@ class FiberReference(FrameModel):
     hardening_ratio: float = checked(Number(0.0, 0.1), 1e-6)
 
     judged: ClassVar[bool] = False
+    crushing: ClassVar[bool] = True
     collision_halvings: ClassVar[int] = 5
     longer: ClassVar[float] = 1.0  # steps, where less is left of the waves
     largest_error: ClassVar[float | None] = None  # refinement tells of it

@@ -144,7 +144,9 @@ class Striker(Declared, table="striker"):
         if self.stiffness is not None:
             raise self.refusal("stiffness", "cannot stand beside crush", "give one of them")
         if self.crush[0] != (0.0, 0.0):
-            raise self.refusal("crush", "must begin with [0, 0]", "without stroke there is no force")
+            raise self.refusal(
+                "crush", "must begin with [0, 0]", "without stroke there is no force"
+            )
         slopes = []
         for (stroke, force), (next_stroke, next_force) in pairwise(self.crush):
             if next_stroke <= stroke:
@@ -154,6 +156,11 @@ class Striker(Declared, table="striker"):
         if not 0.0 < max(slopes) <= STIFFNESS.high:
             text = f"must rise somewhere, nowhere by more than {STIFFNESS.high:g} N/m"
             raise self.refusal("crush", text, "forces are in N, strokes in m")
+
+    @property
+    def energy(self) -> float:
+        """Kinetic energy before the impact, in J."""
+        return 0.5 * self.mass * self.velocity**2
 
     @property
     def crushes(self) -> bool:
@@ -166,7 +173,7 @@ class Striker(Declared, table="striker"):
         return self.restitution > 0.0 or self.crushes
 
     @property
-    def alone(self) -> "Striker":
+    def alone(self) -> Striker:
         """The striker without the place that it hits."""
         return Striker(self.mass, self.velocity, self.restitution, self.stiffness, self.crush)
 
@@ -179,7 +186,7 @@ class Impact:
     @property
     def input_energy(self) -> float:
         """Kinetic energy of the striker before the impact, in J."""
-        return float(0.5 * self.striker.mass * self.striker.velocity**2)
+        return float(self.striker.energy)
 
     def at_velocity(self, velocity: float) -> Self:
         """Return the impact at another velocity (m/s)."""

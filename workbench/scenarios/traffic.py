@@ -2,7 +2,7 @@
 
 The standard was not at hand: the numbers are recalled and *not verified in print*, but for the
 forces of cars (50 and 25 kN) and for what the JCSS Probabilistic Model Code, 2.18, has as well: the
-angle, and the motion below. A national annex may have others.
+angle, the motion below and the stiffness. A national annex may have others.
 """
 
 from math import radians, sin, sqrt
@@ -39,6 +39,7 @@ FORCES = {
     for name, each in TRAFFIC.items()
     for suffix, force in (("", each.along), ("-across", each.across))
 }
+VEHICLE_STIFFNESS = 3.0e5  # N/m, Annex C; JCSS: of cars and lorries alike, standard deviation 6e4
 DECELERATION = 3.0  # m/s^2, Table C.2; the mean of Table C.1 and of the JCSS is 4
 ANGLE = 10.0  # degrees to the road, the mean of Table C.1 and of the JCSS
 
@@ -66,12 +67,18 @@ def velocity_after(
 
 
 def design_striker(
-    traffic: str, distance: float = 0.0, deceleration: float = DECELERATION, angle: float = ANGLE
+    traffic: str,
+    distance: float = 0.0,
+    deceleration: float = DECELERATION,
+    angle: float = ANGLE,
+    stiffness: float | None = None,
 ) -> Striker:
     """Return the vehicle of Table C.2 as a striker, as fast as `velocity_after` a distance (m).
 
-    Raises `InputError`, also for a kind of `traffic` without design values.
+    It crushes with a `stiffness` (N/m), such as `VEHICLE_STIFFNESS`, or is rigid. Raises
+    `InputError`, also for a kind of `traffic` without design values.
     """
     known = tuple(name for name, each in TRAFFIC.items() if each.mass)
     vehicle = TRAFFIC[Choice(known).check("traffic", traffic)]
-    return Striker(vehicle.mass, velocity_after(vehicle.velocity, distance, deceleration, angle))
+    velocity = velocity_after(vehicle.velocity, distance, deceleration, angle)
+    return Striker(vehicle.mass, velocity, stiffness=stiffness)

@@ -86,6 +86,11 @@ class RigidBars(Answering):
     )
     _BALANCE: ClassVar[float] = 1e-6  # of the input energy, in which the ledger closes
 
+    @property
+    def crushing(self) -> bool:
+        """Whether its steps know a striker that crushes."""
+        return self.integrator == "midpoint"
+
     def _strength(self, column: Column, bars: Any) -> None:
         """Write the strength of the hinges into the column of the kernels."""
         raise NotImplementedError
@@ -280,7 +285,9 @@ class RigidBars(Answering):
         if _along_tangent(table[0]):
             room["finish_below"] = march.NEARLY if pace.error < inf else march.CLOSELY
         drive = striker.mass, striker.velocity, striker.restitution, 0.0
-        run = follow(_ENTRIES[self.integrator], (table, states, room), pace, drive, march.RECORD, striker)
+        run = follow(
+            _ENTRIES[self.integrator], (table, states, room), pace, drive, march.RECORD, striker
+        )
         if run.collapsed:
             raise _collapsed(table[0], run.records[-1])
         return table[0], run

@@ -61,6 +61,7 @@ class Biggs(SingleDof):
 
     name: ClassVar[str] = "biggs"
     version: ClassVar[int] = 3
+    crushing: ClassVar[bool] = False  # the energy says which mass is hit
     assumptions: ClassVar[tuple[str, ...]] = (
         "The member moves in the shape that its load makes statically, another one for each stage: "
         "elastic, elastic with hinges, mechanism with hinges at clamped ends and at the hit point.",

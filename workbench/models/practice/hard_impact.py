@@ -20,10 +20,9 @@ from workbench.models.base import Answering
 from workbench.models.practice.hand_estimate import SECTION, mechanism_load
 from workbench.models.resistance import RESISTANCES, ResistanceCurve, column_curve, columns
 from workbench.models.single_dof.pulse import Pushed, push
-from workbench.models.soft_impact import VEHICLE_STIFFNESS
 from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import ColumnImpact, Pulse
-from workbench.scenarios.traffic import FORCES
+from workbench.scenarios.traffic import FORCES, VEHICLE_STIFFNESS
 
 DYNAMIC, STATIC = "dynamic", "static"
 _RIGID = 0.1  # way of the structure over the crush of the striker, up to which it counts as rigid
@@ -33,7 +32,8 @@ _RIGID = 0.1  # way of the structure over the crush of the striker, up to which 
 class HardImpact(Answering):
     """EN 1991-1-7, Annex C.
 
-    Options: `striker_stiffness` in N/m of what crushes (300 kN/m: cars, Annex C); `application`
+    Options: `striker_stiffness` in N/m of what crushes (300 kN/m: cars, Annex C), if the scenario
+    gives none; `application`
     of the force: dynamic (rectangular pulse on the single-DOF column), static, or the static force
     of a kind of traffic (Table 4.1, along the traffic or across); `amplification` phi of static;
     `resistance` of the column as in `single-dof`; `deformation_capacity` y_0 in m for the check of
@@ -48,6 +48,7 @@ class HardImpact(Answering):
 
     name: ClassVar[str] = "en-1991-hard-impact"
     version: ClassVar[int] = 2
+    crushing: ClassVar[bool] = True
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "All deformation is that of the striker, a linear spring of 300 kN/m unless given; the "
@@ -60,9 +61,13 @@ class HardImpact(Answering):
     )
     sources: ClassVar[tuple[str, ...]] = ("en1991-1-7", "heng2017")
 
+    def stiffness(self, scenario: ColumnImpact) -> float:
+        """Stiffness (N/m) of what crushes: of the striker if it has one."""
+        return scenario.striker.stiffness or self.striker_stiffness
+
     def pulse(self, scenario: ColumnImpact) -> Pulse:
         """Force of the hard impact: v (k m)^1/2 for (m / k)^1/2."""
-        mass, k = scenario.striker.mass, self.striker_stiffness
+        mass, k = scenario.striker.mass, self.stiffness(scenario)
         force = scenario.striker.velocity * sqrt(k * mass)
         return Pulse("rectangular", force, sqrt(mass / k))
 
@@ -74,6 +79,8 @@ class HardImpact(Answering):
             findings.append(
                 finding("soft-impact", needed / capacity, needed=needed, capacity=capacity)
             )
+        if scenario.striker.crush is not None:
+            findings.append(finding("one-stiffness"))
         return findings
 
     def _soft_deformation(self, scenario: ColumnImpact) -> float:
@@ -102,7 +109,7 @@ class HardImpact(Answering):
             own = pulse.peak / 1e3
             warnings.append(finding("table-force", table=table / 1e3, striker=own))
         elif top <= _RIGID * crush:
-            stiffness = self.striker_stiffness
+            stiffness = self.stiffness(scenario)
             warnings.append(
                 finding("striker", crush / top, crush=crush, top=top, stiffness=stiffness)
             )

@@ -115,6 +115,11 @@ class SingleDof(OnCurve):
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
+    @property
+    def crushing(self) -> bool:
+        """Whether its steps know a striker that crushes."""
+        return self.integrator == "midpoint"
+
     def curve(self, column: Column, uniform: bool = False) -> ResistanceCurve:
         """Resistance of the column at its hit point, to half of a `uniform` load if that acts.
 

@@ -88,6 +88,7 @@ class SolidPlaneStress(Declared, table="option"):
     material: ClassVar[tuple[str, ...]] = ("rate", "hardening")
     version: ClassVar[int] = 2
     judged: ClassVar[bool] = False
+    crushing: ClassVar[bool] = True
     answers: ClassVar[tuple[str, ...]] = (ColumnPushover.KIND, ColumnImpact.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane stress in layers of the width of the section: no shear lag, no torsion, no local or "

@@ -94,8 +94,12 @@ def _frames(impacts: Sequence[FrameImpact]) -> str:
 
 def _strikers(strikers: Sequence[Striker]) -> str:
     restitutions = [each.restitution for each in strikers]
+    stiffnesses = [each.stiffness for each in strikers if each.stiffness is not None]
+    crushing = sum(each.crushes for each in strikers)
     return PAGE.words(
         "striker",
+        crushing="all" if crushing == len(strikers) else "some" if crushing else "",
+        stiffnesses=_values(stiffnesses, 1e-3, "kN/m") if stiffnesses else "",
         masses=_values([each.mass for each in strikers], 1.0, "kg"),
         velocities=_values([each.velocity for each in strikers], 1.0, "m/s"),
         restitutions=_values(restitutions, 1.0, "") if any(restitutions) else "",

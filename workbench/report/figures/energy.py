@@ -16,6 +16,7 @@ from workbench.scenarios import ColumnImpact, FrameImpact
 PARTS = (
     ("dissipated", "dissipated (plastic, algorithmic)", "#8c510a"),
     ("contact_loss", "lost in contact", "#e3b778"),
+    ("crushing", "spent on crushing the striker", "#dfc27d"),
     ("elastic", "elastic", "#5ab4ac"),
     ("kinetic", "kinetic", "#c7dfee"),
 )
