@@ -11,7 +11,6 @@ import pandas as pd
 
 from workbench.content.formatting import in_unit, number, unit_of
 from workbench.evidence.error_model import PEAK, ExpectedError
-from workbench.models.domain import VEHICLE
 from workbench.responses import (
     ENERGIES,
     SCALARS,
@@ -27,6 +26,7 @@ from workbench.responses import (
 )
 from workbench.responses.variables import INTEGRATORS, STUD_TESTS
 from workbench.scenarios import FrameImpact, Scenario
+from workbench.scenarios.traffic import LIGHTEST
 
 UPPER_BOUND = (  # no warning: it holds of most scenarios and says nothing about the model
     "the striker is rigid; if it is a vehicle this is an upper bound, as its front crushes "
@@ -168,7 +168,7 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
 def _is_rigid_vehicle(scenario: Scenario) -> bool:
     """Whether a rigid striker hits that is as heavy as a vehicle."""
     striker = getattr(scenario, "striker", None)
-    return striker is not None and striker.mass >= VEHICLE and not striker.crushes
+    return striker is not None and striker.mass >= LIGHTEST and not striker.crushes
 
 
 def _parts(response: Response, scenario: Scenario) -> dict[str, Any]:

@@ -11,19 +11,14 @@ is replaced by a line P = m* (touch - v1): the equation of a rigid contact with 
 so that models solve steps with both alike. Derivation and numbers: docs/theory/soft-impact.md.
 """
 
-from math import pi, sqrt
-from typing import Any
-
 import numpy as np
 
 from workbench.compiled import njit
-from workbench.impact.pace import Pace
-from workbench.scenarios.column import MOST_POINTS, Striker
 
+MOST_POINTS = 50  # of a law, as in scenarios
 UNLOADING = 100.0  # unloading over the largest loading slope: a rigid wall gives back a tenth of v
 TRIES = 12  # lines through the law in a step before it is halved
 CLOSE = 1e-9, 1e-12  # impulse as the law has it: of itself, of the momentum of the striker
-RECORDS = 40, 20_000  # of a period of loading, of a whole record at most
 _FLAT = 1e-9  # of the slope that stops the striker in a step: less is no line
 CRUSH = np.dtype(
     [
@@ -34,28 +29,6 @@ CRUSH = np.dtype(
     ],
     align=True,
 )
-
-
-def law_of(striker: Striker | None) -> Any:
-    """The law of a striker as a record of CRUSH, not yet crushed; without points if it is rigid."""
-    law = np.zeros(1, CRUSH)
-    if striker is not None and striker.crushes:
-        points = np.array(striker.crush or [(0.0, 0.0)])
-        slopes = np.diff(points[:, 1]) / np.diff(points[:, 0])
-        law["points"], law["beyond"] = len(points), striker.stiffness or 0.0
-        law["strokes"][0, : len(points)], law["forces"][0, : len(points)] = points.T
-        law["unloading"] = UNLOADING * max(slopes.max(initial=0.0), law["beyond"][0])
-    return law[0]
-
-
-def followed(pace: Pace, striker: Striker, struck: float) -> Pace:
-    """The pace at which the force of a crushing striker on a mass (kg) is recorded as it swings."""
-    if not striker.crushes or not pace.error < np.inf:
-        return pace
-    slope = float(law_of(striker)["unloading"]) / UNLOADING
-    period = 2.0 * pi / sqrt(slope * (1.0 / struck + 1.0 / striker.mass))
-    spacing = min(pace.spacing, max(period / RECORDS[0], pace.duration / RECORDS[1]))
-    return pace._replace(spacing=spacing)
 
 
 @njit(cache=True, error_model="numpy")

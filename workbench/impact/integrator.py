@@ -181,8 +181,7 @@ def begin(drive, progress):
         progress.mass, progress.restitution, progress.calm = drive[8], drive[10], drive[11]
         progress.velocity = progress.approach = drive[9]
         progress.scale, progress.error, progress.dt = abs(drive[9]), pace.error, pace.first
-        if progress.crush.points > 0:  # how fast that makes the hit point shows on the way
-            progress.scale *= SLOWEST
+        progress.scale *= SLOWEST if progress.crush.points > 0 else 1.0  # the rest shows on the way
         progress.least = pace.first if pace.error < np.inf else np.inf
     return pace
 

@@ -1,17 +1,19 @@
 """What a march has written, read once for all models: histories, peak, why it ended."""
 
-from math import prod
+from math import pi, prod, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import SolverError
-from workbench.impact.crushing import law_of
+from workbench.impact.crushing import CRUSH, UNLOADING
 from workbench.impact.integrator import COLLAPSE, NO_CONVERGENCE, PROGRESS, TOO_MANY
 from workbench.impact.pace import PIECES, Pace
 from workbench.responses.histories import peak_of
 from workbench.scenarios import Striker
+
+RECORDS = 40, 20_000  # of a period in which a striker is crushed, of a whole record at most
 
 
 class Run(NamedTuple):
@@ -83,3 +85,25 @@ def histories_of(records: Any) -> dict[str, Array]:
         name: flat[at // 8 : at // 8 + prod(of.shape)].reshape(*of.shape, -1)
         for name, (of, at) in records.dtype.fields.items()
     }
+
+
+def law_of(striker: Striker | None) -> Any:
+    """The law of a striker as a record of CRUSH, not yet crushed; without points if it is rigid."""
+    law = np.zeros(1, CRUSH)
+    if striker is not None and striker.crushes:
+        points = np.array(striker.crush or [(0.0, 0.0)])
+        slopes = np.diff(points[:, 1]) / np.diff(points[:, 0])
+        law["points"], law["beyond"] = len(points), striker.stiffness or 0.0
+        law["strokes"][0, : len(points)], law["forces"][0, : len(points)] = points.T
+        law["unloading"] = UNLOADING * max(slopes.max(initial=0.0), law["beyond"][0])
+    return law[0]
+
+
+def followed(pace: Pace, striker: Striker, struck: float) -> Pace:
+    """The pace at which the force of a crushing striker on a mass (kg) is recorded as it swings."""
+    if not striker.crushes or not pace.error < np.inf:
+        return pace
+    slope = float(law_of(striker)["unloading"]) / UNLOADING
+    period = 2.0 * pi / sqrt(slope * (1.0 / struck + 1.0 / striker.mass))
+    spacing = min(pace.spacing, max(period / RECORDS[0], pace.duration / RECORDS[1]))
+    return pace._replace(spacing=spacing)

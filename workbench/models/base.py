@@ -119,7 +119,7 @@ def crushed(response: Response, striker: Striker) -> Response:
         strokes, forces = np.transpose(striker.crush)
         beyond = float(response["crushing"].max() - np.trapezoid(forces, strokes))
         last = float(strokes[-1])
-        if beyond > 1e-6 * striker.energy and forces[-1] > 0.0:
+        if beyond > 1e-6 * float(response["input_energy"]) and forces[-1] > 0.0:
             reached = last + beyond / float(forces[-1])
             past = finding("past-crush-law", reached, last=last)
             set_findings(response, [*findings_of(response), past])

@@ -116,7 +116,7 @@ LEAST_LOAD = 1e-3  # of the squash load, below which loads look like kN
 _LEAST_PULSE = 5e-3  # of the plastic shear resistance
 _LEAST_MASS = 0.01  # of the steel, below which masses look like t
 _SI = {"kN": "N", "t": "kg"}
-_FAST, VEHICLE = 60.0, 500.0  # m/s and kg: beyond both a velocity looks like km/h
+_FAST, _VEHICLE = 60.0, 500.0  # m/s and kg: beyond both a velocity looks like km/h
 _STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
 _FEW_PERCENT, _MUCH = 0.01, 0.1  # between the strength of a section and that of a member
 _STUB = 2.0  # length of a segment over the height of its section
@@ -291,7 +291,7 @@ def implausible(scenario: Scenario) -> list[Finding]:
                 )
             )
     striker = getattr(scenario, "striker", None)
-    if striker is not None and striker.velocity > _FAST and striker.mass >= VEHICLE:
+    if striker is not None and striker.velocity > _FAST and striker.mass >= _VEHICLE:
         findings.append(finding("fast-vehicle", striker.velocity, speed=3.6 * striker.velocity))
     return findings
 

@@ -20,10 +20,10 @@ from workbench.compiled import njit
 from workbench.errors import SolverError
 from workbench.fields import Choice, Number, checked
 from workbench.impact.contact import uncounted
-from workbench.impact.crushing import UNLOADING, force_at, law_of
+from workbench.impact.crushing import UNLOADING, force_at
 from workbench.impact.integrator import DRIVE, Model, begin, march_of, no_flow
 from workbench.impact.pace import Pace
-from workbench.impact.records import follow
+from workbench.impact.records import follow, law_of
 from workbench.models.domain import shear_warnings
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import (

@@ -34,13 +34,16 @@ def with_strain_rate(model: Any, scenario: Any) -> tuple[Any, float, list[Findin
         scenario = _of_steel(scenario, hardening_modulus=None)
     if steel.rate is not None and "rate" not in known and not scenario.STATIC:
         column = _struck(scenario)
-        if column is None or "static strength" in known:
+        if column is None or column.striker.crushes or "static strength" in known:
             findings.append(finding("strain-rate", kind=scenario.KIND))
         else:
             factor = rate_factor(column, getattr(model, "shear_yields", False))
         scenario = stronger(scenario, factor)
     elif hasattr(model, "given"):  # a resistance curve of its own grows, not the steel
         factor = model.given(scenario)[1]
+        hit = isinstance(scenario, ColumnImpact) and scenario.striker.crushes
+        if hit and steel.rate is not None and factor == 1.0:
+            findings.append(finding("strain-rate", kind=scenario.KIND))
     return scenario, factor, findings
 
 
@@ -73,9 +76,11 @@ def rate_factor(scenario: ColumnImpact, shear_yields: bool = False) -> float:
     """Mean factor on the yield stress of a struck column whose steel has a rate law.
 
     Arguments: whether webs slide in the model where their mechanism needs more shear force than
-    they carry (`shear_yields`).
+    they carry (`shear_yields`). 1 of a striker that crushes: no collision says how fast it hits.
     """
     column, striker = scenario.column, scenario.striker
+    if striker.crushes:
+        return 1.0
     law, properties = column.steel.rate, column.properties
     assert law is not None
     velocity = striker.velocity * striker.mass / (striker.mass + properties.impact_mass)

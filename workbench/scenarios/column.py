@@ -158,11 +158,6 @@ class Striker(Declared, table="striker"):
             raise self.refusal("crush", text, "forces are in N, strokes in m")
 
     @property
-    def energy(self) -> float:
-        """Kinetic energy before the impact, in J."""
-        return 0.5 * self.mass * self.velocity**2
-
-    @property
     def crushes(self) -> bool:
         """Whether it has a law by which it crushes."""
         return self.stiffness is not None or self.crush is not None
@@ -186,7 +181,7 @@ class Impact:
     @property
     def input_energy(self) -> float:
         """Kinetic energy of the striker before the impact, in J."""
-        return float(self.striker.energy)
+        return float(0.5 * self.striker.mass * self.striker.velocity**2)
 
     def at_velocity(self, velocity: float) -> Self:
         """Return the impact at another velocity (m/s)."""

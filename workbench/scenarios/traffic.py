@@ -39,6 +39,7 @@ FORCES = {
     for name, each in TRAFFIC.items()
     for suffix, force in (("", each.along), ("-across", each.across))
 }
+LIGHTEST = min(each.mass for each in TRAFFIC.values() if each.mass)  # kg, of design vehicles
 VEHICLE_STIFFNESS = 3.0e5  # N/m, Annex C; JCSS: of cars and lorries alike, standard deviation 6e4
 DECELERATION = 3.0  # m/s^2, Table C.2; the mean of Table C.1 and of the JCSS is 4
 ANGLE = 10.0  # degrees to the road, the mean of Table C.1 and of the JCSS

@@ -20,7 +20,8 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from workbench.arrays import Array
 from workbench.errors import SolverError
 from workbench.impact import contact
-from workbench.impact.crushing import force_at, law_of
+from workbench.impact.crushing import force_at
+from workbench.impact.records import law_of
 from workbench.structures.elements import StepEnergies
 from workbench.structures.equilibrium import Structure
 from workbench.structures.time_steps import PointMass, TimeStep

@@ -23,7 +23,8 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.impact import contact
-from workbench.impact.crushing import TRIES, approach_at, crush_line, force_at, law_of, obeys
+from workbench.impact.crushing import TRIES, approach_at, crush_line, force_at, obeys
+from workbench.impact.records import law_of
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.time_steps import (
     TOLERANCE,

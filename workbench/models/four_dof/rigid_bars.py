@@ -20,9 +20,8 @@ from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, SolverError
 from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.collapse import COLLAPSE_SIDEWAYS
-from workbench.impact.crushing import followed
 from workbench.impact.pace import Pace
-from workbench.impact.records import Run, follow, histories_of
+from workbench.impact.records import Run, follow, followed, histories_of
 from workbench.models.base import Answering
 from workbench.models.domain import buckling_findings, count_finding, step_finding
 from workbench.models.elastic_springs import Springs, thesis_springs
@@ -232,10 +231,9 @@ class RigidBars(Answering):
     def _pushover(self, scenario: ColumnPushover) -> Response:
         column = scenario.column
         records, values = self.pushed(column, scenario.displacement)
-        force = values["force"]
+        force, values["elastic"] = values["force"], records["elastic"]
         pieces = 0.5 * (force[1:] + force[:-1]) * np.diff(values["displacement"])
         external = np.concatenate([[0.0], np.cumsum(pieces)])
-        values["elastic"] = records["elastic"]
         values["external_work"] = external + _dead_work(column, records)
         values["input_energy"] = external[-1]
         return build_response(
@@ -285,9 +283,8 @@ class RigidBars(Answering):
         if _along_tangent(table[0]):
             room["finish_below"] = march.NEARLY if pace.error < inf else march.CLOSELY
         drive = striker.mass, striker.velocity, striker.restitution, 0.0
-        run = follow(
-            _ENTRIES[self.integrator], (table, states, room), pace, drive, march.RECORD, striker
-        )
+        entry, tables = _ENTRIES[self.integrator], (table, states, room)
+        run = follow(entry, tables, pace, drive, march.RECORD, striker)
         if run.collapsed:
             raise _collapsed(table[0], run.records[-1])
         return table[0], run

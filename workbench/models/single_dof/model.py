@@ -20,9 +20,8 @@ from workbench.arrays import Array
 from workbench.errors import CollapseError, OutOfDomainError, SolverError
 from workbench.fields import Choice, Number, checked
 from workbench.impact import collide
-from workbench.impact.crushing import followed
 from workbench.impact.pace import Pace
-from workbench.impact.records import Run, follow
+from workbench.impact.records import Run, follow, followed
 from workbench.models.domain import step_finding
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import (

@@ -8,7 +8,6 @@ import numpy as np
 from workbench.arrays import Array, Indices
 from workbench.compiled import njit
 from workbench.impact.contact import contact_step_of, inner
-from workbench.impact.crushing import law_of
 from workbench.impact.integrator import (
     COLLAPSE,
     COMMON,
@@ -20,7 +19,7 @@ from workbench.impact.integrator import (
 )
 from workbench.impact.newton import Equations, newton_of
 from workbench.impact.pace import Pace
-from workbench.impact.records import check_end
+from workbench.impact.records import check_end, law_of
 from workbench.structures import kernels
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import StepEnergies
