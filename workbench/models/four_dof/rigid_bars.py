@@ -283,8 +283,8 @@ class RigidBars(Answering):
         if _along_tangent(table[0]):
             room["finish_below"] = march.NEARLY if pace.error < inf else march.CLOSELY
         drive = striker.mass, striker.velocity, striker.restitution, 0.0
-        entry, tables = _ENTRIES[self.integrator], (table, states, room)
-        run = follow(entry, tables, pace, drive, march.RECORD, striker)
+        entry, given = _ENTRIES[self.integrator], (table, states, room)
+        run = follow(entry, given, pace, drive, march.RECORD, striker)
         if run.collapsed:
             raise _collapsed(table[0], run.records[-1])
         return table[0], run
