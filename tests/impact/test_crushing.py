@@ -207,7 +207,7 @@ def test_a_rigid_vehicle_is_an_upper_bound(
 
 
 def bending(number: int) -> list[ColumnImpact]:
-    """Columns, drawn once, whose webs carry twice the mechanism, hit far beyond their elastic limit."""
+    """Columns, drawn once, whose webs carry twice the mechanism, hit beyond their elastic limit."""
     generator, impacts = np.random.default_rng(31), list[ColumnImpact]()
     while len(impacts) < number:
         section = find(generator.choice(["HEB 180", "HEB 220", "HEB 300", "IPE 300", "HEA 240"]))
