@@ -248,6 +248,7 @@ KEYS = {
     ),
     *("warnings", "refusals", "wall_time", "provenance", "numerical_uncertainty", "refinement"),
     *("error", "headline", "reference"),
+    "notes",
     "rate_factor",
     *("largest_drift", "largest_plastic_rotation", "largest_compression", "largest_tension"),
     *("places", "hinges", "drift", "struck", "largest_sliding"),
