@@ -1,0 +1,1 @@
+"""Uncertain inputs, and the probability of exceedance that follows from them."""
