@@ -36,7 +36,7 @@ FLOORS = (
         "evidence",
         "studs",
     ),
-    *("impact_tests", "assessment", "testing", "study", "intake", "content"),
+    *("impact_tests", "assessment", "testing", "study", "uncertainty", "intake", "content"),
     *("report", "desk", "cli"),
 )
 MODULES = sorted(ROOT.rglob("*.py"))
@@ -90,7 +90,7 @@ def test_modules_hold_one_thought() -> None:
     assert lengths[-1] <= 350
     # One thought a module: neither a scatter of tiny ones nor a heap.
     assert 100 <= lengths[len(lengths) // 2] <= 200
-    assert len(lengths) <= 300
+    assert len(lengths) <= 310
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(ROOT)))

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import ndtr, ndtri
-from scipy.stats import norm
 
 from workbench.arrays import Array
 from workbench.uncertainty.critical_ratio import Columns, Posterior, columns_of, learn
@@ -18,7 +17,8 @@ LEVEL = 0.90  # of all bands
 LEVEL_AFTER_LOOKS = 0.95  # of a band that was looked at before: reported as LEVEL
 DRAWS, NODES = 300, 21
 BIN, MOVING_MEAN = 20, 15
-GRID = 161
+GRID, FARTHEST = 161, 3.1  # points, and the normal score of the first and the last
+LARGEST_RATIO = 0.15  # ln velocity; a bound of the ratio where a reference failed
 PROBABILITIES = (0.1, 0.5, 0.9)
 
 
@@ -153,7 +153,7 @@ def fragility_curve(
     *,
     looked: bool = False,
     sampling: bool = True,
-    probabilities: tuple[float, float] = (1e-3, 1.0 - 1e-3),
+    failed: int = 0,
 ) -> Curve:
     """The corrected curve and its bands.
 
@@ -175,7 +175,7 @@ def fragility_curve(
     posterior = learn(columns, given, ratios)
     corrected = y + columns.values @ posterior.mean
     share = finite.mean()
-    grid = _grid(corrected, share, probabilities)
+    grid = _grid(corrected)
     local = _local_columns(columns, corrected, grid)
     coefficients, scatter = posterior.draw(DRAWS, random)
     moved = (coefficients - posterior.mean) @ local.T
@@ -194,13 +194,22 @@ def fragility_curve(
     parts = half * draws.std(axis=0), half * deviation.std(axis=0)
     if sampling:
         draws = draws + deviation
-    return _bands(grid, draws, LEVEL_AFTER_LOOKS if looked else LEVEL, parts, len(ratios))
+    silent = float(np.isnan(population.log_velocity).mean())
+    lower, upper = draws, draws + silent
+    if failed:
+        beta = random.beta(failed + 0.5, len(ratios) + 0.5, DRAWS)[:, None]
+        reduced = np.sort(y)
+        least = share * _distribution(reduced, grid - LARGEST_RATIO)
+        most = share * _distribution(reduced, grid + LARGEST_RATIO)
+        lower = (1.0 - beta) * lower + beta * least
+        upper = (1.0 - beta) * upper + beta * most
+    level = LEVEL_AFTER_LOOKS if looked else LEVEL
+    return _bands(grid, draws, lower, upper, level, parts, len(ratios))
 
 
-def _grid(corrected: Array, share: float, probabilities: tuple[float, float]) -> Array:
+def _grid(corrected: Array) -> Array:
     """Points of ln velocity at equal steps of the normal score, with some room beyond."""
-    ends = norm.ppf(probabilities)
-    scores = ndtr(np.linspace(ends[0], ends[1], GRID))
+    scores = ndtr(np.linspace(-FARTHEST, FARTHEST, GRID))
     u = np.quantile(corrected, scores)
     room = 0.15 * (u[-1] - u[0]) + 1e-6
     u = np.concatenate([[u[0] - room], u, [u[-1] + room]])
@@ -264,18 +273,38 @@ def _deviation(curves: Array, random: np.random.Generator) -> Array:
     return np.asarray(normal * np.sqrt(freedom / random.chisquare(freedom, DRAWS))[:, None])
 
 
-def _bands(grid: Array, draws: Array, level: float, parts: tuple[Array, Array], n: int) -> Curve:
-    """Median, pointwise band and band of the whole curve, monotone and within 0 and 1."""
+def _bands(
+    grid: Array,
+    draws: Array,
+    lower: Array,
+    upper: Array,
+    level: float,
+    parts: tuple[Array, Array],
+    references: int,
+) -> Curve:
+    """Median, pointwise band and band of the whole curve, monotone and within 0 and 1.
+
+    `lower` and `upper` are the draws at the worst of what failed runs leave open.
+    """
     tail = (1.0 - level) / 2.0
-    low, median, high = np.quantile(draws, (tail, 0.5, 1.0 - tail), axis=0)
+    low, high = np.quantile(lower, tail, axis=0), np.quantile(upper, 1.0 - tail, axis=0)
+    edges = low, high, _together(lower, level, -1.0), _together(upper, level, 1.0)
+    low, high, low_all, high_all = (np.clip(edge, 0.0, 1.0) for edge in edges)
+    median = np.clip(np.median(draws, axis=0), 0.0, 1.0)
+
+    def fall(edge: Array) -> Array:
+        return np.asarray(np.minimum.accumulate(edge[::-1])[::-1])
+
+    rise = np.maximum.accumulate
+    bands = rise(median), fall(low), rise(high), fall(low_all), rise(high_all)
+    return Curve(grid, *bands, *parts, references)
+
+
+def _together(draws: Array, level: float, sign: float) -> Array:
+    """Lower (sign -1) or upper edge of a band that holds a whole draw at the level."""
     probits = ndtri(np.clip(draws, 1e-9, 1.0 - 1e-9))
     middle, spread = np.median(probits, axis=0), probits.std(axis=0)
     moving = spread > 0.0
     far = np.abs(probits - middle)[:, moving] / spread[moving]
     k = float(np.quantile(far.max(axis=1), level)) if moving.any() else 0.0
-    low_all, high_all = ndtr(middle - k * spread), ndtr(middle + k * spread)
-    rise, fall = np.maximum.accumulate, lambda edge: np.minimum.accumulate(edge[::-1])[::-1]
-    clipped = (np.clip(edge, 0.0, 1.0) for edge in (median, low, high, low_all, high_all))
-    median, low, high, low_all, high_all = clipped
-    edges = rise(median), fall(low), rise(high), fall(low_all), rise(high_all)
-    return Curve(grid, *edges, *parts, n)
+    return np.asarray(ndtr(middle + sign * k * spread))
