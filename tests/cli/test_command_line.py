@@ -46,6 +46,8 @@ def test_help_imports_nothing_heavy() -> None:
         "simulate",
         "advise",
         "limit",
+        "fragility",
+        "verify",
         "run",
         "status",
         "report",

@@ -71,7 +71,18 @@ def _application() -> Callable[..., Any]:
     import typer
 
     from workbench import __version__
-    from workbench.cli import chart, data, doctor, fit, limit, models, new, simulate, studies
+    from workbench.cli import (
+        chart,
+        data,
+        doctor,
+        fit,
+        fragility,
+        limit,
+        models,
+        new,
+        simulate,
+        studies,
+    )
 
     app = typer.Typer(
         add_completion=False,
@@ -95,6 +106,8 @@ def _application() -> Callable[..., Any]:
     app.command("advise")(models.advise)
     app.command("simulate")(simulate.simulate)
     app.command("limit")(limit.limit)
+    app.command("fragility")(fragility.fragility)
+    app.command("verify")(fragility.verify)
     for function in (studies.run, studies.status, studies.report, studies.validate):
         app.command(function.__name__)(function)
     app.add_typer(fit.app, name="fit")

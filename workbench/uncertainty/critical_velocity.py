@@ -70,7 +70,7 @@ class Asked:
 
 
 def limit_of(text: str) -> Limit:
-    """Read a limit: ``collapse`` or ``displacement=0.1`` (m, or with a unit). Raises `InputError`."""
+    """Read a limit: ``collapse`` or ``displacement=0.1`` (m, or with a unit)."""
     name, equals, value = text.partition("=")
     if text.strip() == "collapse":
         return Limit(inf)

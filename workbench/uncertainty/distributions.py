@@ -93,7 +93,7 @@ class Distribution:
         if self.discrete is not None:
             options, cumulative = self.discrete
             chosen = np.searchsorted(np.array(cumulative[:-1]), share, side="right")
-            return np.array(options, dtype=object)[chosen]
+            return np.asarray(np.array(options, dtype=object)[chosen])
         least, most = self.frozen.cdf(self.low), self.frozen.cdf(self.high)
         inside = np.clip(least + share * (most - least), _NEAREST, 1.0 - _NEAREST)
         return np.asarray(np.clip(self.frozen.ppf(inside), self.low, self.high))
@@ -110,7 +110,7 @@ def is_distribution(value: Any) -> bool:
 
 
 def distribution_of(path: str, table: Mapping[str, Any]) -> Distribution:
-    """Read a distribution at a key `path`. Raises `InputError` naming key, value, what is allowed."""
+    """Read a distribution at a key `path`. Raises `InputError` naming key and value."""
     laws = [law for law in LAWS if law in table]
     unknown = sorted(set(table) - {*laws, "low", "high"})
     if len(laws) != 1 or unknown:

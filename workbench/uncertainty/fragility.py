@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from math import ceil, exp, isfinite, log, nan
+from math import ceil, exp, isfinite, log
 from multiprocessing import get_context
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -50,7 +50,7 @@ from workbench.uncertainty.inputs import UncertainScenario
 
 SCRAMBLES = 16
 LOOKS = (12, 18, 27, 40, 60)  # references; the last look ends it
-MESH_SAMPLES, MESH_LEVELS = 4, 3  # at one refinement more than the other references
+MESH_SAMPLES, MESH_LEVELS = 4, 5  # at one refinement more than the other references
 LARGEST_SHARE = 0.2  # of references that fail, or of samples without an answer
 
 
@@ -92,8 +92,8 @@ class Fragility:
 
     `curve` with the numerical part, `curve_without` it, `reduced_curve` (points,) of the reduced
     model at the same velocities; `numerical`, half-width in ln velocity that all references share,
-    None where it is not known; `shift`, ln velocity, from their mesh to a finer one; `places`,
-    `ratios` of the references; `kinds`, how many samples of each kind; `seconds` by part.
+    None where it is not known; `shift`, ln velocity, from their mesh to a finer one; `places`
+    (samples), `velocities` (ln, of the reduced model) and `ratios` of the references; `kinds`, how many samples of each kind; `seconds` by part.
     """
 
     setup: Setup
@@ -103,6 +103,7 @@ class Fragility:
     numerical: float | None
     shift: float
     places: Sequence[int]
+    velocities: Sequence[float]
     ratios: Sequence[Ratio]
     kinds: dict[str, int]
     runs: dict[str, int]
@@ -154,7 +155,8 @@ def fragility(setup: Setup, say: Callable[[str], None] = lambda text: None) -> F
         counts = LOOKS if setup.references is None else (setup.references,)
         places = place_references(population, counts[-1], offset)
         ratios: list[Ratio] = []
-        numerical, shift, mesh_runs = nan, 0.0, 0
+        numerical: float | None = None
+        shift, mesh_runs = 0.0, 0
         spent = 0.0
         for count in counts:
             begun = perf_counter()
@@ -181,8 +183,9 @@ def fragility(setup: Setup, say: Callable[[str], None] = lambda text: None) -> F
         "meshes": mesh_runs,
     }
     used = [int(place) for place in places[: len(ratios)]]
+    reached = [float(population.log_velocity[place]) for place in used]
     return Fragility(
-        *(setup, curve, without, reduced, numerical, shift, used, ratios, kinds, runs),
+        *(setup, curve, without, reduced, numerical, shift, used, reached, ratios, kinds, runs),
         {**seconds, "all": perf_counter() - started},
         looked,
     )

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import tomli_w
 from scipy.special import ndtri
 from scipy.stats import qmc
 
@@ -31,12 +32,14 @@ class UncertainScenario:
     """Tables of a scenario file with their uncertain inputs.
 
     `tables`, with the median in place of each distribution; `inputs`, keys of the uncertain numbers
-    with their distributions; `factor` (inputs, inputs), of the correlation of their normal scores.
+    with their distributions; `factor` (inputs, inputs), of the correlation of their normal scores;
+    `text`, all that as TOML.
     """
 
     tables: Mapping[str, Any]
     inputs: Mapping[Path_, Distribution]
     factor: Array
+    text: str
 
     @property
     def names(self) -> list[str]:
@@ -84,9 +87,20 @@ def load_uncertain(path: Path | str, overrides: Iterable[str] = ()) -> Uncertain
     with open_input(Path(path), "scenario file", LARGEST_FILE) as stream:
         content = stream.read()
     try:
-        tables = tomllib.loads(content.decode())
+        text = content.decode()
+    except ValueError as error:
+        raise InputError("scenario file", str(path), "is not a UTF-8 text file") from error
+    return uncertain_from_text(text, overrides, str(path))
+
+
+def uncertain_from_text(
+    text: str, overrides: Iterable[str] = (), name: str = "scenario"
+) -> UncertainScenario:
+    """An uncertain scenario from TOML text, with ``key.path=value`` overrides."""
+    try:
+        tables = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise InputError("scenario file", str(path), f"is not valid TOML: {error}") from error
+        raise InputError("scenario file", name, f"is not valid TOML: {error}") from error
     for override in overrides:
         apply_override(tables, override)
     return uncertain_from(tables)
@@ -94,6 +108,7 @@ def load_uncertain(path: Path | str, overrides: Iterable[str] = ()) -> Uncertain
 
 def uncertain_from(tables: dict[str, Any]) -> UncertainScenario:
     """An uncertain scenario from nested tables as TOML gives them. Raises `InputError`."""
+    text = tomli_w.dumps(tables)
     pairs = tables.pop(CORRELATION, {})
     inputs = {
         path: distribution_of(".".join(map(str, path)), table)
@@ -104,7 +119,7 @@ def uncertain_from(tables: dict[str, Any]) -> UncertainScenario:
         _put(plain, path, distribution.middle)
     scenario_from(plain)  # refuses what is wrong before any work
     names = [".".join(map(str, path)) for path in inputs]
-    return UncertainScenario(plain, inputs, _factor(names, pairs))
+    return UncertainScenario(plain, inputs, _factor(names, pairs), text)
 
 
 def _distributions(value: Any, path: Path_) -> Iterator[tuple[Path_, Mapping[str, Any]]]:

@@ -1,0 +1,268 @@
+"""`workbench fragility`: probability of exceedance over velocity; `workbench verify`: its check."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from math import exp, isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from workbench.cli.output import Answer, option, verb, writable
+from workbench.cli.simulate import PICTURES, ScenarioFile, Settings
+from workbench.content.tree import Block, Column, Paragraph, Table
+from workbench.errors import InputError
+
+if TYPE_CHECKING:
+    from workbench.uncertainty.fragility import Fragility
+
+VELOCITY = "striker.velocity"
+_LARGEST = 5_000_000  # bytes of a certificate
+_SHOWN = 7  # velocities in the table of the curve
+
+
+@verb
+def fragility(
+    scenario: ScenarioFile,
+    over: str = option("Range of impact velocities, in m/s.", ..., "striker.velocity=LOW:HIGH"),
+    limit: str = option("What must not be exceeded.", ..., "displacement=METRES|collapse"),
+    model: str | None = option(
+        "Reduced model of the samples.  [default: four-dof, with panels where webs yield]", None
+    ),
+    reference: str | None = option(
+        "Reference that corrects it.  [default: fiber-reissner, fiber-shear where webs yield]", None
+    ),
+    samples: int = option("Samples of the inputs, 16 times a power of 2.", 8192),
+    references: int | None = option(
+        "Number of references.  [default: as many as the band needs, 12 to 60]", None
+    ),
+    half_width: float = option("Half-width in probability that is good enough.", 0.02),
+    seconds: float = option("Budget; no further look at the band after it.", 600.0),
+    seed: int = option("Seed of the samples.", 1),
+    jobs: int | None = option("Processes.  [default: one for each core]", None),
+    settings: Settings = None,
+    plot: str | None = option("Draw the curve.", None, "OUT.png|svg|pdf"),
+    out: str | None = option("Write the certificate.", None, "CERTIFICATE.json"),
+) -> Answer:
+    """Probability that an impact exceeds a limit, over its velocity.
+
+    Numbers of the scenario may be distributions, such as yield_stress = { jcss = "S355" }. The band
+    of 90 % holds the errors of samples, model and reference. Exit status 0 if it is as narrow as
+    was asked (or within 1 % in velocity), 1 if it is not, 2 for bad input.
+    """
+    from workbench.fields import Number
+    from workbench.registry import make_model
+    from workbench.study.store import write_atomically
+    from workbench.uncertainty.certificate import certificate
+    from workbench.uncertainty.critical_velocity import limit_of
+    from workbench.uncertainty.fragility import SCRAMBLES, Setup, Target
+    from workbench.uncertainty.fragility import fragility as run
+    from workbench.uncertainty.inputs import load_uncertain
+
+    target = None if out is None else writable("--out", out, "json", inputs=[scenario])
+    picture = None if plot is None else writable("--plot", plot, *PICTURES, inputs=[scenario])
+    ends = _range(over)
+    each = samples // SCRAMBLES
+    if not 128 <= each <= 1 << 16 or samples % SCRAMBLES or each & (each - 1):
+        text = f"must be {SCRAMBLES} times a power of 2, from 2048 to {SCRAMBLES << 16}"
+        raise InputError("--samples", samples, text, "such as 8192")
+    if references is not None:
+        Number(8, 2000, integer=True).check("--references", references)
+    Number(1e-3, 0.5).check("--half-width", half_width)
+    Number(1.0, 1e6).check("--seconds", seconds)
+    Number(0, 2**32 - 1, integer=True).check("--seed", seed)
+    count = os.cpu_count() or 1 if jobs is None else jobs
+    Number(1, 512, integer=True).check("--jobs", count)
+    exceeded = limit_of(limit)
+    uncertain = load_uncertain(scenario, settings or [])
+    if VELOCITY in uncertain.names:
+        text = "is what the probability is given over: it cannot be uncertain itself"
+        raise InputError(VELOCITY, "a distribution", text, "write a number")
+    base: Any = uncertain.base
+    if not hasattr(base, "at_velocity"):
+        text = "has no impact velocity"
+        raise InputError("kind", base.KIND, text, "take column-impact or frame-impact")
+    pair = _pair(base.at_velocity(ends[1]), model, reference)
+    reduced, governing = (make_model(name) for name in pair)
+    asked = Setup(
+        *(uncertain, reduced, governing, exceeded, ends, samples, seed, references, seconds),
+        Target(half_width),
+        count,
+    )
+    result = run(asked, lambda text: print(f"workbench: {text}", file=sys.stderr, flush=True))
+    content = certificate(result)
+    if target is not None:
+        write_atomically(target, json.dumps(content, indent=1, allow_nan=False).encode())
+    if picture is not None:
+        from workbench.report.drawing.fragility import draw_fragility
+
+        draw_fragility(result, picture)
+    shown = list(_blocks(result))
+    written = {"certificate": target, "picture": picture}
+    shown += [Paragraph(f"The {what} is in {file}.") for what, file in written.items() if file]
+    return Answer(content, shown, int(not result.reaches_target))
+
+
+@verb
+def verify(
+    certificate: Annotated[str, typer.Argument(metavar="CERTIFICATE.json", help="Certificate.")],
+    seed: int = option("Seed of the choice of references.", 1),
+) -> Answer:
+    """Run a random tenth of the references of a certificate again.
+
+    Exit status 0 if all agree, 1 if one does not, 2 for bad input.
+    """
+    from workbench.datafiles import open_input
+    from workbench.fields import Number
+    from workbench.uncertainty import certificate as certificates
+
+    Number(0, 2**32 - 1, integer=True).check("--seed", seed)
+    with open_input(Path(certificate), "certificate", _LARGEST) as stream:
+        try:
+            content = json.loads(stream.read())
+        except (ValueError, RecursionError) as error:
+            raise InputError("certificate", certificate, "is not JSON") from error
+    if not isinstance(content, Mapping):
+        raise InputError("certificate", certificate, "is no JSON object")
+    checked = certificates.verify(content, seed)
+    agree = sum(each.agrees for each in checked)
+    columns = (
+        Column("sample", True, 0.6, lambda row: row.sample),
+        Column("ln ratio stated", True, 1.0, lambda row: _ratio(row.stated)),
+        Column("run again", True, 1.0, lambda row: _ratio(row.again)),
+        Column("agrees", width=0.6, of=lambda row: "yes" if row.agrees else "no"),
+    )
+    holds = agree == len(checked)
+    meaning = "the certificate holds" if holds else "the certificate does not hold"
+    text = f"{agree} of {len(checked)} references agree within 0.05 % of the velocity: {meaning}."
+    rows = [
+        {
+            "sample": each.sample,
+            "stated": each.stated,
+            "again": each.again if isfinite(each.again) else None,
+            "agrees": each.agrees,
+        }
+        for each in checked
+    ]
+    blocks = (Paragraph(text), Table.of("verified", "", columns, checked))
+    return Answer({"holds": holds, "references": rows}, blocks, int(not holds))
+
+
+def _ratio(value: float | None) -> str:
+    return "no answer" if value is None or not isfinite(value) else f"{value:+.5f}"
+
+
+def _range(text: str) -> tuple[float, float]:
+    """Ends of ``striker.velocity=LOW:HIGH`` in m/s."""
+    from workbench.fields import Number
+    from workbench.units import in_si
+
+    key, _, values = text.partition("=")
+    low, colon, high = values.partition(":")
+    ends = []
+    for value in (low, high):
+        try:
+            number: float | None = float(value)
+        except ValueError:
+            number = in_si(value, "m/s")
+        ends.append(number)
+    first, last = ends
+    if key.strip() != VELOCITY or not colon or first is None or last is None:
+        text_ = f"must look like {VELOCITY}=5:30"
+        raise InputError("--over", text, text_, "ends in m/s, or such as 20 km/h:100 km/h")
+    for end in (first, last):
+        Number(0.01, 500.0).check("--over", end)
+    if not first < last:
+        raise InputError("--over", text, "must rise from the first to the last velocity")
+    return first, last
+
+
+def _pair(scenario: Any, model: str | None, reference: str | None) -> tuple[str, str]:
+    """Reduced model and reference: of bending, or of webs that yield in shear."""
+    from workbench.registry import make_model
+
+    if model is None or reference is None:
+        findings = make_model("four-dof").domain(scenario)
+        yields = any(f.subject == "shear" for f in findings)
+        usual = ("four-dof-shear", "fiber-shear") if yields else ("four-dof", "fiber-reissner")
+        if scenario.KIND != "column-impact":
+            usual = ("flexible-superelement", usual[1])
+        model, reference = model or usual[0], reference or usual[1]
+    return model, reference
+
+
+def _blocks(result: Fragility) -> Iterator[Block]:
+    from workbench.uncertainty.fragility_curve import PROBABILITIES
+
+    setup, curve = result.setup, result.curve
+    low, middle, high = (exp(u) for u in curve.velocity(0.5))
+    band = f"{low:.3g} to {high:.3g} m/s" if isfinite(low) and isfinite(high) else "open"
+    yield Paragraph(
+        f"{setup.uncertain.base.name}: {setup.limit} is exceeded with probability 0.5 at "
+        f"{middle:.3g} m/s (90 %: {band}); {setup.reduced.name} in {setup.samples} samples, "
+        f"corrected by {len(result.ratios)} runs of {setup.reference.name}."
+    )
+    columns = (
+        Column("velocity m/s", True, 1.0, lambda row: f"{row[0]:.2f}"),
+        Column("probability", True, 1.0, lambda row: f"{row[1][1]:.3f}"),
+        Column("low", True, 1.0, lambda row: f"{row[1][0]:.3f}"),
+        Column("high", True, 1.0, lambda row: f"{row[1][2]:.3f}"),
+    )
+    ends = [curve.velocity(p)[1] for p in (0.02, 0.98)]
+    if all(map(isfinite, ends)):
+        step = (exp(ends[1]) - exp(ends[0])) / (_SHOWN - 1)
+        velocities = [exp(ends[0]) + step * k for k in range(_SHOWN)]
+    else:
+        step = (setup.ends[1] - setup.ends[0]) / (_SHOWN - 1)
+        velocities = [setup.ends[0] + step * k for k in range(_SHOWN)]
+    rows = [(v, result.at(v)) for v in velocities]
+    yield Table.of("curve", "Probability of exceedance, band of 90 %.", columns, rows)
+    at = [(p, *map(exp, curve.velocity(p))) for p in PROBABILITIES]
+    quantiles = (
+        Column("probability", True, 1.0, lambda row: f"{row[0]:g}"),
+        Column("velocity m/s", True, 1.0, lambda row: f"{row[2]:.3f}"),
+        Column("low", True, 1.0, lambda row: f"{row[1]:.3f}"),
+        Column("high", True, 1.0, lambda row: f"{row[3]:.3f}"),
+    )
+    yield Table.of("velocities", "Velocity at a probability.", quantiles, at)
+    yield _costs(result)
+    if result.numerical is None:
+        text = "The numerical error of the reference is not known: the band does not contain it."
+        yield Paragraph(text)
+    if result.failed:
+        yield Paragraph(f"{result.failed} references have no answer: the band is widened for them.")
+    if not result.reaches_target:
+        text = "The band is wider than was asked; the largest part above says what to refine."
+        yield Paragraph(text)
+
+
+def _costs(result: Fragility) -> Table:
+    """What each part of the band is, and costs."""
+    curve, seconds, runs = result.curve, result.seconds, result.runs
+    shared = result.numerical
+    widened = curve.half_width - result.curve_without.half_width
+    rows = (
+        ("samples", f"{curve.sampling.max():.4f}", runs["samples"], seconds["samples"]),
+        ("references", f"{curve.correction.max():.4f}", runs["references"], seconds["references"]),
+        (
+            "numerical, of the reference",
+            "unknown" if shared is None else f"{widened:.4f}",
+            runs["meshes"],
+            seconds["meshes"],
+        ),
+        ("all", f"{curve.half_width:.4f}", sum(runs.values()), seconds["all"]),
+    )
+    columns = (
+        Column("part of the band", width=1.6, of=lambda row: row[0]),
+        Column("half-width", True, 1.0, lambda row: row[1]),
+        Column("runs", True, 0.7, lambda row: row[2]),
+        Column("seconds", True, 0.7, lambda row: f"{row[3]:.1f}"),
+    )
+    in_velocity = 100.0 * curve.velocity_half_width
+    measured = f"{in_velocity:.2f} % in velocity" if isfinite(in_velocity) else "open in velocity"
+    caption = f"Largest half-width in probability, and its price; {measured}."
+    return Table.of("costs", caption, columns, rows)
