@@ -99,7 +99,9 @@ def test_no_function_takes_more_than_ten_arguments(path: Path) -> None:
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             taken = node.args
             count = len(taken.posonlyargs) + len(taken.args) + len(taken.kwonlyargs)
-            assert count <= 10, f"{node.name} takes {count}"
+            is_verb = any(isinstance(d, ast.Name) and d.id == "verb" for d in node.decorator_list)
+            # the options of a verb are its page of help, not a call that someone writes
+            assert count <= (16 if is_verb else 10), f"{node.name} takes {count}"
 
 
 def test_packages_have_no_import_cycles() -> None:

@@ -28,13 +28,14 @@ def power(scale, exponent):
     return lambda x: scale * exp(exponent * x)
 
 
-@pytest.mark.parametrize("exponent", [0.8, 1.0, 1.9, 3.0])
+@pytest.mark.parametrize("exponent", [0.8, 1.1, 1.9, 3.0])
 @pytest.mark.parametrize("start", [0.0, 2.5, 4.6])
 def test_power_laws_are_found_exactly(exponent, start):
     root = critical_velocity(power(1e-3, exponent), Limit(0.1), start, ENDS)
     known = log(100.0) / exponent
     if known < ENDS[1]:
-        assert root.kind == REACHED and root.log_velocity == pytest.approx(known, abs=3e-4)
+        assert root.kind == REACHED
+        assert root.log_velocity == pytest.approx(known, abs=3e-4)
     else:
         assert root.kind == NEVER
 
@@ -45,11 +46,11 @@ def test_collapse_in_the_way_is_the_critical_velocity():
 
     for limit in (Limit(0.1), Limit(inf)):
         root = critical_velocity(peak_at, limit, 1.0, ENDS)
-        assert root.kind == BY_COLLAPSE and root.log_velocity == pytest.approx(2.345, abs=2e-4)
+        assert root.kind == BY_COLLAPSE
+        assert root.log_velocity == pytest.approx(2.345, abs=2e-4)
     before = critical_velocity(peak_at, Limit(0.01), 1.0, ENDS)
-    assert before.kind == REACHED and before.log_velocity == pytest.approx(
-        log(10.0) / 1.5, abs=2e-4
-    )
+    assert before.kind == REACHED
+    assert before.log_velocity == pytest.approx(log(10.0) / 1.5, abs=2e-4)
 
 
 def test_no_answer_is_no_number():
@@ -66,7 +67,7 @@ def test_single_dof_meets_its_energy_balance():
     root = critical_velocity(Asked(model, scenario).peak_at, Limit(0.1), 2.0, ENDS)
     curve, mass = model.curve(scenario.column), 1500.0
     whole = mass + scenario.column.properties.impact_mass
-    known = sqrt(2.0 * whole * float(curve.energy(0.1))) / mass
+    known = sqrt(2.0 * whole * float(curve.work(0.1))) / mass
     assert exp(root.log_velocity) == pytest.approx(known, rel=3e-4)
 
 
@@ -83,14 +84,16 @@ def test_one_run_gives_the_ratio_of_equal_slopes():
     at = log(100.0) / 1.8
     assert slope_at(reduced.peak_at, at, Limit(0.1)) == pytest.approx(1.8)
     ratio = ratio_to_reference(reference, reduced, Limit(0.1), at, ENDS)
-    assert ratio.runs == 1 and ratio.value == pytest.approx(-log(1.05) / 1.8, abs=1e-9)
+    assert ratio.runs == 1
+    assert ratio.value == pytest.approx(-log(1.05) / 1.8, abs=1e-9)
 
 
 def test_a_far_reference_is_run_twice():
-    reduced, reference = toy(power(1e-3, 1.8)), toy(power(2e-3, 2.0))
+    reduced, reference = toy(power(1e-3, 1.8)), toy(lambda x: 0.115 * exp(2.0 * (x - at)))
     at = log(100.0) / 1.8
     ratio = ratio_to_reference(reference, reduced, Limit(0.1), at, ENDS)
-    assert ratio.runs == 2 and ratio.value == pytest.approx(log(50.0) / 2.0 - at, abs=6e-3)
+    assert ratio.runs == 2
+    assert ratio.value == pytest.approx(-log(1.15) / 2.0, abs=1e-3)
 
 
 def test_a_reference_that_collapses_is_followed_to_its_limit():
@@ -106,9 +109,11 @@ def test_a_reference_that_fails_is_asked_aside_and_else_has_no_ratio():
     at = log(100.0) / 1.8
     once = toy(lambda x: nan if abs(x - at) < 1e-6 else 1.02e-3 * exp(1.8 * x))
     ratio = ratio_to_reference(once, reduced, Limit(0.1), at, ENDS)
-    assert ratio.runs == 2 and ratio.value == pytest.approx(-log(1.02) / 1.8, abs=1e-6)
+    assert ratio.runs == 2
+    assert ratio.value == pytest.approx(-log(1.02) / 1.8, abs=1e-6)
     never = ratio_to_reference(toy(lambda x: nan), reduced, Limit(0.1), at, ENDS)
-    assert never.value != never.value and never.reason == NO_ANSWER
+    assert never.value != never.value
+    assert never.reason == NO_ANSWER
 
 
 @pytest.mark.parametrize("text", ["displacement", "drift=0.1", "displacement=fast", "0.1"])

@@ -54,14 +54,16 @@ def covered(repetitions, count=25, treat=lambda curve, _: curve):
 
 def test_band_holds_the_exact_curve():
     pointwise, together = covered(60)
-    assert pointwise.min() >= 0.80 and 0.85 <= pointwise.mean() <= 0.99
+    assert pointwise.min() >= 0.80
+    assert 0.85 <= pointwise.mean() <= 0.99
     assert together >= 0.85
 
 
 @pytest.mark.slow
 def test_band_holds_the_exact_curve_in_200_repetitions():
     pointwise, together = covered(200)
-    assert pointwise.min() >= 0.85 and pointwise.mean() <= 0.97
+    assert pointwise.min() >= 0.85
+    assert pointwise.mean() <= 0.97
     assert together >= 0.90
 
 
@@ -90,7 +92,8 @@ def test_band_holds_ratios_of_other_forms(case):
         hits += (low <= probabilities) & (probabilities <= high)
         edges = [np.interp(u, curve.log_velocity, e) for e in (curve.low_all, curve.high_all)]
         together += np.all((edges[0] <= probabilities) & (probabilities <= edges[1]))
-    assert (hits / 100).mean() >= 0.85 and (hits / 100).min() >= 0.75
+    assert (hits / 100).mean() >= 0.85
+    assert (hits / 100).min() >= 0.75
     assert together / 100 >= 0.85
 
 
@@ -155,7 +158,8 @@ def test_failed_references_widen_the_band_to_the_worst_case():
     ratios = ratios_of(population, places, random)
     held = fragility_curve(population, places, ratios, np.random.default_rng(1))
     open_ = fragility_curve(population, places, ratios, np.random.default_rng(1), failed=2)
-    assert np.all(open_.low <= held.low + 1e-9) and np.all(open_.high >= held.high - 1e-9)
+    assert np.all(open_.low <= held.low + 1e-9)
+    assert np.all(open_.high >= held.high - 1e-9)
     assert open_.half_width > held.half_width + 0.02
 
 
@@ -169,7 +173,8 @@ def test_samples_without_an_answer_are_above_the_upper_edge():
     curve = fragility_curve(
         replace(population, log_velocity=silent), places, ratios, np.random.default_rng(1)
     )
-    assert curve.low[-1] <= 0.96 and curve.high[-1] == pytest.approx(1.0, abs=0.01)
+    assert curve.low[-1] <= 0.96
+    assert curve.high[-1] == pytest.approx(1.0, abs=0.01)
 
 
 def test_samples_that_never_reach_the_limit_bound_the_curve():
@@ -188,7 +193,8 @@ def test_places_are_nested_and_every_class_has_its_share():
     given = replace(population, classes=classes)
     few, many = place_references(given, 12, 0.4), place_references(given, 40, 0.4)
     assert len(set(many.tolist())) == 40
-    assert classes[many].sum() >= 3 and classes[few].sum() >= 2
+    assert classes[many].sum() >= 3
+    assert classes[few].sum() >= 2
 
 
 def test_classes_have_means_of_their_own():

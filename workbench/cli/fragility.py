@@ -59,9 +59,10 @@ def fragility(
     from workbench.study.store import write_atomically
     from workbench.uncertainty.certificate import certificate
     from workbench.uncertainty.critical_velocity import limit_of
-    from workbench.uncertainty.fragility import SCRAMBLES, Setup, Target
+    from workbench.uncertainty.fragility import SCRAMBLES
     from workbench.uncertainty.fragility import fragility as run
     from workbench.uncertainty.inputs import load_uncertain
+    from workbench.uncertainty.sample_runs import Setup, Target
 
     target = None if out is None else writable("--out", out, "json", inputs=[scenario])
     picture = None if plot is None else writable("--plot", plot, *PICTURES, inputs=[scenario])

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from workbench.errors import InputError
+from workbench.models.base import on_one_mesh
 from workbench.registry import make_model
 from workbench.responses.provenance import provenance
 from workbench.uncertainty.critical_velocity import (
@@ -20,9 +21,10 @@ from workbench.uncertainty.critical_velocity import (
     critical_velocity,
     ratio_to_reference,
 )
-from workbench.uncertainty.fragility import LOOKS, SCRAMBLES, Fragility, Setup
+from workbench.uncertainty.fragility import LOOKS, SCRAMBLES, Fragility
 from workbench.uncertainty.fragility_curve import LEVEL
 from workbench.uncertainty.inputs import uncertain_from_text
+from workbench.uncertainty.sample_runs import Setup
 
 KIND, FORMAT = "fragility", 1
 SAME = 5e-4  # ln velocity: searches that start elsewhere end as close
@@ -133,8 +135,6 @@ def verify(content: Mapping[str, Any], seed: int) -> list[Checked]:
 
 def _setup(content: Mapping[str, Any]) -> Setup:
     """What was asked, from a certificate."""
-    from workbench.models.base import on_one_mesh
-
     if content.get("kind") != KIND or content.get("format") != FORMAT:
         text = f"must be a certificate of kind {KIND}, format {FORMAT}"
         raise InputError("certificate", content.get("kind"), text)

@@ -6,39 +6,18 @@ is an interval that all its runs share: it is added to the band and not averaged
 See docs/theory/fragility.md.
 """
 
-import json
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
-from math import ceil, exp, isfinite, log
-from multiprocessing import get_context
+from math import ceil, isfinite, log
 from time import perf_counter
-from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.stats import t as student
-from threadpoolctl import threadpool_limits
 
 from workbench.arrays import Array
 from workbench.errors import InputError, WorkbenchError
-from workbench.evidence.error_model import PEAK
-from workbench.models.base import on_one_mesh
-from workbench.responses import Outcome, outcome_of
-from workbench.responses.uncertainty import WIDTHS
-from workbench.uncertainty.critical_velocity import (
-    ALREADY,
-    BEYOND,
-    BY_COLLAPSE,
-    COARSE,
-    NO_ANSWER,
-    Asked,
-    Limit,
-    Ratio,
-    Root,
-    critical_velocity,
-    ratio_to_reference,
-)
+from workbench.uncertainty.critical_velocity import ALREADY, BY_COLLAPSE, NO_ANSWER, Ratio, Root
 from workbench.uncertainty.fragility_curve import (
     LEVEL,
     Curve,
@@ -46,44 +25,21 @@ from workbench.uncertainty.fragility_curve import (
     fragility_curve,
     place_references,
 )
-from workbench.uncertainty.inputs import UncertainScenario
+from workbench.uncertainty.sample_runs import (
+    Processes,
+    Run,
+    Setup,
+    Target,
+    on_finer_mesh,
+    ratio_at,
+    roots_of,
+)
 
 SCRAMBLES = 16
 LOOKS = (12, 18, 27, 40, 60)  # references; the last look ends it
-MESH_SAMPLES, MESH_LEVELS = 4, 5  # at one refinement more than the other references
+MESH_SAMPLES = 6  # run on finer meshes than the other references
+FINEST_MESH = 2  # refinements more than those
 LARGEST_SHARE = 0.2  # of references that fail, or of samples without an answer
-
-
-class Target(NamedTuple):
-    """Half-width that is good enough: in probability, or relative in velocity."""
-
-    probability: float = 0.02
-    velocity: float = 0.01
-
-
-@dataclass(frozen=True)
-class Setup:
-    """What is asked: uncertain scenario, models, limit, ends of the range of velocities (m/s).
-
-    `samples` in all; `seed`; `references` (None: looks at the band decide, up to `seconds`).
-    """
-
-    uncertain: UncertainScenario
-    reduced: Any
-    reference: Any
-    limit: Limit
-    ends: tuple[float, float]
-    samples: int = 8192
-    seed: int = 1
-    references: int | None = None
-    seconds: float = 600.0
-    target: Target = Target()
-    jobs: int = 1
-
-    @property
-    def search(self) -> tuple[float, float]:
-        """Ln velocities between which critical velocities are searched."""
-        return log(self.ends[0] / BEYOND), log(self.ends[1] * BEYOND)
 
 
 @dataclass(frozen=True)
@@ -93,7 +49,8 @@ class Fragility:
     `curve` with the numerical part, `curve_without` it, `reduced_curve` (points,) of the reduced
     model at the same velocities; `numerical`, half-width in ln velocity that all references share,
     None where it is not known; `shift`, ln velocity, from their mesh to a finer one; `places`
-    (samples), `velocities` (ln, of the reduced model) and `ratios` of the references; `kinds`, how many samples of each kind; `seconds` by part.
+    (samples), `velocities` (ln, of the reduced model) and `ratios` of the references; `kinds`, how
+    many samples of each kind; `seconds` by part.
     """
 
     setup: Setup
@@ -144,7 +101,7 @@ def fragility(setup: Setup, say: Callable[[str], None] = lambda text: None) -> F
         advice = 'write a distribution, such as yield_stress = { jcss = "S355" }'
         raise InputError("scenario", setup.uncertain.base.name, text, advice)
     started = perf_counter()
-    with _pool(setup.jobs) as run:
+    with Processes(setup.jobs) as run:
         scores, scrambles = _scores(setup)
         roots = _survey(setup, scores, run)
         population, kinds = _population(roots, scores, scrambles)
@@ -157,23 +114,37 @@ def fragility(setup: Setup, say: Callable[[str], None] = lambda text: None) -> F
         ratios: list[Ratio] = []
         numerical: float | None = None
         shift, mesh_runs = 0.0, 0
-        spent = 0.0
-        for count in counts:
-            begun = perf_counter()
-            new = places[len(ratios) : count]
-            ratios += run(partial(_ratio, setup), _tasks(new, scores, population))
-            spent += perf_counter() - begun
-            if count == counts[0]:
-                begun = perf_counter()
-                numerical, shift, mesh_runs = _mesh(setup, places, ratios, scores, population, run)
-                seconds["meshes"] = perf_counter() - begun
-            looked = len(counts) > 1
+        spent, mesh_spent = 0.0, 0.0
+        look, finer, looked = 0, 0, len(counts) > 1
+        count, dominates = 0, False
+        while True:
+            if count < counts[look]:
+                begun, count = perf_counter(), counts[look]
+                new = places[len(ratios) : count]
+                ratios += run(partial(ratio_at, setup), _tasks(new, scores, population))
+                spent += perf_counter() - begun
+            if not finer or dominates:
+                begun, finer = perf_counter(), finer + 1
+                meshes = _mesh(setup, finer, places, ratios, scores, population, run)
+                numerical, shift = meshes[:2]
+                mesh_runs += meshes[2]
+                mesh_spent += perf_counter() - begun
             without = _curve(setup, population, places, ratios, shift, looked)
             curve = without if numerical is None else without.widened(numerical)
-            say(f"{count} references: half-width {curve.half_width:.3f} in probability")
-            enough = _is_narrow(curve, setup.target)
-            if enough or perf_counter() - started > setup.seconds:
+            say(
+                f"{count} references, meshes {2**finer} times finer: half-width "
+                f"{curve.half_width:.3f} in probability, {without.half_width:.3f} without meshes"
+            )
+            # what is the larger part is worth the next runs
+            large = curve.half_width > 2.0 * without.half_width
+            dominates = numerical is not None and large and finer < FINEST_MESH
+            last = look == len(counts) - 1
+            if _is_narrow(curve, setup.target) or perf_counter() - started > setup.seconds:
                 break
+            if not dominates and (last or (large and finer == FINEST_MESH)):
+                break
+            look += not dominates
+        seconds["meshes"] = mesh_spent
         seconds["references"] = spent
     ordered = np.sort(population.log_velocity[np.isfinite(population.log_velocity)])
     reduced = np.searchsorted(ordered, curve.log_velocity, side="right") / len(scores)
@@ -198,23 +169,11 @@ def _scores(setup: Setup) -> tuple[Array, Array]:
     return np.vstack(parts), np.repeat(np.arange(SCRAMBLES), each)
 
 
-def _survey(setup: Setup, scores: Array, run: "Run") -> list[Root]:
+def _survey(setup: Setup, scores: Array, run: Run) -> list[Root]:
     """Critical velocities of all samples by the reduced model."""
     chunk = max(1, ceil(len(scores) / (4 * setup.jobs)))
     parts = [scores[k : k + chunk] for k in range(0, len(scores), chunk)]
-    return [root for part in run(partial(_roots, setup), parts) for root in part]
-
-
-def _roots(setup: Setup, scores: Array) -> list[Root]:
-    """Critical velocities of some samples; each search starts from the one before."""
-    start, roots = log(setup.ends[0] * setup.ends[1]) / 2.0, []
-    for scenario in setup.uncertain.scenarios(scores):
-        asked = Asked(setup.reduced, scenario)
-        root = critical_velocity(asked.peak_at, setup.limit, start, setup.search)
-        roots.append(root)
-        if isfinite(root.log_velocity):
-            start = root.log_velocity
-    return roots
+    return [root for part in run(partial(roots_of, setup), parts) for root in part]
 
 
 def _population(
@@ -248,21 +207,14 @@ def _tasks(places: Array, scores: Array, population: Population) -> list[tuple[A
     return [(scores[p : p + 1], float(population.log_velocity[p])) for p in places]
 
 
-def _ratio(setup: Setup, task: tuple[Array, float]) -> Ratio:
-    """The ratio at one sample."""
-    scenario = next(setup.uncertain.scenarios(task[0]))
-    reference = Asked(on_one_mesh(setup.reference), scenario)
-    reduced = Asked(setup.reduced, scenario)
-    return ratio_to_reference(reference, reduced, setup.limit, task[1], setup.search)
-
-
 def _mesh(
     setup: Setup,
+    finer: int,
     places: Array,
     ratios: list[Ratio],
     scores: Array,
     population: Population,
-    run: "Run",
+    run: Run,
 ) -> tuple[float | None, float, int]:
     """Half-width and shift in ln velocity from the mesh of the references to a finer one."""
     if not hasattr(setup.reference, "refinement"):
@@ -273,37 +225,13 @@ def _mesh(
         (scores[places[k] : places[k] + 1], float(population.log_velocity[places[k]]), ratios[k])
         for k in chosen
     ]
-    parts = [part for part in run(partial(_finer, setup), tasks) if part is not None]
+    parts = [part for part in run(partial(on_finer_mesh, setup, finer), tasks) if part is not None]
     if len(parts) < 2:
         return None, 0.0, len(tasks)
     shifts, widths = np.array(parts).T
     spread = student.ppf(0.5 + LEVEL / 2.0, len(parts) - 1) * shifts.std(ddof=1)
     half = float(widths.max() + spread / np.sqrt(len(parts)))
     return half, float(shifts.mean()), len(tasks)
-
-
-def _finer(setup: Setup, task: tuple[Array, float, Ratio]) -> tuple[float, float] | None:
-    """Shift of one critical velocity by a finer mesh, and the half-width that is left, in ln."""
-    scores, log_velocity, ratio = task
-    scenario = next(setup.uncertain.scenarios(scores))
-    x = log_velocity + ratio.value
-    model = setup.reference
-    fine = replace(model, refinement=model.refinement + 1, levels=MESH_LEVELS)
-    if not isfinite(setup.limit.displacement) or not isfinite(ratio.slope):
-        asked = Asked(on_one_mesh(fine), scenario)
-        root = critical_velocity(asked.peak_at, setup.limit, x, setup.search, COARSE)
-        moved = root.log_velocity - x
-        return (moved, abs(moved) + COARSE) if isfinite(moved) else None
-    struck: Any = scenario
-    struck = struck.at_velocity(exp(x))
-    response = fine.simulate(struck)
-    coarse = Asked(on_one_mesh(model), scenario).peak_at(x)
-    if outcome_of(response) is not Outcome.OK or not isfinite(coarse):
-        return None
-    peak, width = float(response[PEAK]), json.loads(response.attrs[WIDTHS]).get(PEAK)
-    if width is None:
-        return None
-    return -log(peak / coarse) / ratio.slope, width / peak / ratio.slope
 
 
 def _curve(
@@ -326,30 +254,3 @@ def _curve(
     return fragility_curve(
         population, places[answered], values, random, looked=looked, failed=failed
     )
-
-
-Run = Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]]
-
-
-class _pool:  # noqa: N801 - used as a function
-    """Run a function over tasks in processes of one thread each; in this one if `jobs` is 1."""
-
-    def __init__(self, jobs: int) -> None:
-        self.jobs = jobs
-        self.pool: ProcessPoolExecutor | None = None
-
-    def __enter__(self) -> Run:
-        if self.jobs == 1:
-            return lambda function, tasks: [function(task) for task in tasks]
-        context = get_context("spawn")
-        self.pool = ProcessPoolExecutor(self.jobs, context, initializer=_one_thread)
-        pool = self.pool
-        return lambda function, tasks: list(pool.map(function, tasks))
-
-    def __exit__(self, *_: object) -> None:
-        if self.pool is not None:
-            self.pool.shutdown(cancel_futures=True)
-
-
-def _one_thread() -> None:
-    threadpool_limits(1)

@@ -7,6 +7,7 @@ import numpy as np
 from workbench.report.drawing.style import (
     INTERVAL,
     MUTED,
+    Style,
     entry,
     house_style,
     legend_below,
@@ -27,7 +28,7 @@ def draw_fragility(result: Fragility, path: Path) -> None:
         panel.fill_between(velocity, curve.low, curve.high, **INTERVAL)
         corrected = numbered(0).curve()
         panel.plot(velocity, curve.median, **corrected)
-        alone = {"color": MUTED, "linestyle": "--", "linewidth": 1.0}
+        alone: Style = {"color": MUTED, "linestyle": "--", "linewidth": 1.0}
         panel.plot(velocity, result.reduced_curve, **alone)
         panel.set_ylim(0.0, 1.0)
         panel.set_xlim(max(velocity[0], setup.ends[0]), min(velocity[-1], setup.ends[1]))

@@ -1,0 +1,135 @@
+"""What a fragility curve is asked for, and the runs of models that it rests on, by sample."""
+
+import json
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from math import exp, isfinite, log
+from multiprocessing import get_context
+from typing import Any, NamedTuple
+
+from threadpoolctl import threadpool_limits
+
+from workbench.arrays import Array
+from workbench.evidence.error_model import PEAK
+from workbench.models.base import on_one_mesh
+from workbench.responses import Outcome, outcome_of
+from workbench.responses.uncertainty import WIDTHS
+from workbench.uncertainty.critical_velocity import (
+    BEYOND,
+    COARSE,
+    Asked,
+    Limit,
+    Ratio,
+    Root,
+    critical_velocity,
+    ratio_to_reference,
+)
+from workbench.uncertainty.inputs import UncertainScenario
+
+MESH_LEVELS = 6  # of the runs on finer meshes
+
+
+class Target(NamedTuple):
+    """Half-width that is good enough: in probability, or relative in velocity."""
+
+    probability: float = 0.02
+    velocity: float = 0.01
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What is asked: uncertain scenario, models, limit, ends of the range of velocities (m/s).
+
+    `samples` in all; `seed`; `references` (None: looks at the band decide, up to `seconds`).
+    """
+
+    uncertain: UncertainScenario
+    reduced: Any
+    reference: Any
+    limit: Limit
+    ends: tuple[float, float]
+    samples: int = 8192
+    seed: int = 1
+    references: int | None = None
+    seconds: float = 600.0
+    target: Target = Target()
+    jobs: int = 1
+
+    @property
+    def search(self) -> tuple[float, float]:
+        """Ln velocities between which critical velocities are searched."""
+        return log(self.ends[0] / BEYOND), log(self.ends[1] * BEYOND)
+
+
+def roots_of(setup: Setup, scores: Array) -> list[Root]:
+    """Critical velocities of some samples; each search starts from the one before."""
+    start, roots = log(setup.ends[0] * setup.ends[1]) / 2.0, []
+    for scenario in setup.uncertain.scenarios(scores):
+        asked = Asked(setup.reduced, scenario)
+        root = critical_velocity(asked.peak_at, setup.limit, start, setup.search)
+        roots.append(root)
+        if isfinite(root.log_velocity):
+            start = root.log_velocity
+    return roots
+
+
+def ratio_at(setup: Setup, task: tuple[Array, float]) -> Ratio:
+    """The ratio at one sample."""
+    scenario = next(setup.uncertain.scenarios(task[0]))
+    reference = Asked(on_one_mesh(setup.reference), scenario)
+    reduced = Asked(setup.reduced, scenario)
+    return ratio_to_reference(reference, reduced, setup.limit, task[1], setup.search)
+
+
+def on_finer_mesh(
+    setup: Setup, finer: int, task: tuple[Array, float, Ratio]
+) -> tuple[float, float] | None:
+    """Shift of one critical velocity by a finer mesh, and the half-width that is left, in ln."""
+    scores, log_velocity, ratio = task
+    scenario = next(setup.uncertain.scenarios(scores))
+    x = log_velocity + ratio.value
+    model = setup.reference
+    fine = replace(model, refinement=model.refinement + finer, levels=MESH_LEVELS)
+    if not isfinite(setup.limit.displacement) or not isfinite(ratio.slope):
+        asked = Asked(on_one_mesh(fine), scenario)
+        root = critical_velocity(asked.peak_at, setup.limit, x, setup.search, COARSE)
+        moved = root.log_velocity - x
+        return (moved, abs(moved) + COARSE) if isfinite(moved) else None
+    struck: Any = scenario
+    struck = struck.at_velocity(exp(x))
+    response = fine.simulate(struck)
+    coarse = Asked(on_one_mesh(model), scenario).peak_at(x)
+    if outcome_of(response) is not Outcome.OK or not isfinite(coarse):
+        return None
+    peak, width = float(response[PEAK]), json.loads(response.attrs[WIDTHS]).get(PEAK)
+    if width is None:
+        return None
+    return -log(peak / coarse) / ratio.slope, width / peak / ratio.slope
+
+
+Run = Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]]
+
+
+class Processes:
+    """Run a function over tasks in processes of one thread each; in this one if `jobs` is 1."""
+
+    def __init__(self, jobs: int) -> None:
+        self.jobs = jobs
+        self.pool: ProcessPoolExecutor | None = None
+
+    def __enter__(self) -> Run:
+        if self.jobs == 1:
+            return lambda function, tasks: [function(task) for task in tasks]
+        context = get_context("spawn")
+        self.pool = ProcessPoolExecutor(self.jobs, context, initializer=_one_thread)
+        pool = self.pool
+        return lambda function, tasks: list(pool.map(function, tasks))
+
+    def __exit__(self, *_: object) -> None:
+        if self.pool is not None:
+            self.pool.shutdown(cancel_futures=True)
+
+
+def _one_thread() -> None:
+    threadpool_limits(1)
