@@ -201,9 +201,11 @@ def _blocks(result: Fragility) -> Iterator[Block]:
 
     setup, curve = result.setup, result.curve
     low, middle, high = (exp(u) for u in curve.velocity(0.5))
+    limit = setup.limit
+    exceeded = f"exceeds {limit}" if isfinite(limit.displacement) else "collapses"
     band = f"{low:.3g} to {high:.3g} m/s" if isfinite(low) and isfinite(high) else "open"
     yield Paragraph(
-        f"{setup.uncertain.base.name}: {setup.limit} is exceeded with probability 0.5 at "
+        f"{setup.uncertain.base.name}: {exceeded} with probability 0.5 at "
         f"{middle:.3g} m/s (90 %: {band}); {setup.reduced.name} in {setup.samples} samples, "
         f"corrected by {len(result.ratios)} runs of {setup.reference.name}."
     )

@@ -61,7 +61,7 @@ JCSS: dict[str, dict[str, tuple[str, float, float]]] = {
         grade: ("lognormal", nominal * exp(2.0 * _V) - 20e6, _V * (nominal * exp(2.0 * _V) - 20e6))
         for grade, nominal in _GRADES.items()
     },
-    "youngs_modulus": {"steel": ("lognormal", 210e9, 0.03 * 210e9)},
+    "elastic_modulus": {"steel": ("lognormal", 210e9, 0.03 * 210e9)},
     "velocity": {
         "motorway": ("lognormal", 80 * _KMH, 10 * _KMH),
         "urban": ("lognormal", 40 * _KMH, 7 * _KMH),

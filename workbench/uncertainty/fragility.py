@@ -9,7 +9,7 @@ See docs/theory/fragility.md.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from math import ceil, isfinite, log
+from math import isfinite, log
 from time import perf_counter
 
 import numpy as np
@@ -17,7 +17,14 @@ from scipy.stats import t as student
 
 from workbench.arrays import Array
 from workbench.errors import InputError, WorkbenchError
-from workbench.uncertainty.critical_velocity import ALREADY, BY_COLLAPSE, NO_ANSWER, Ratio, Root
+from workbench.uncertainty.critical_velocity import (
+    ALREADY,
+    BEYOND,
+    BY_COLLAPSE,
+    NO_ANSWER,
+    Ratio,
+    Root,
+)
 from workbench.uncertainty.fragility_curve import (
     LEVEL,
     Curve,
@@ -35,9 +42,9 @@ from workbench.uncertainty.sample_runs import (
     roots_of,
 )
 
-SCRAMBLES = 16
+SCRAMBLES, PILOT = 16, 64  # independent sequences of samples; samples before all others
 LOOKS = (12, 18, 27, 40, 60)  # references; the last look ends it
-MESH_SAMPLES = 6  # run on finer meshes than the other references
+MESH_SAMPLES = 4  # run on finer meshes than the other references
 FINEST_MESH = 2  # refinements more than those
 LARGEST_SHARE = 0.2  # of references that fail, or of samples without an answer
 
@@ -103,6 +110,7 @@ def fragility(setup: Setup, say: Callable[[str], None] = lambda text: None) -> F
     started = perf_counter()
     with Processes(setup.jobs) as run:
         scores, scrambles = _scores(setup)
+        _refuse_far_limits(setup, roots_of(setup, scores[:PILOT]))
         roots = _survey(setup, scores, run)
         population, kinds = _population(roots, scores, scrambles)
         seconds = {"samples": perf_counter() - started}
@@ -169,10 +177,19 @@ def _scores(setup: Setup) -> tuple[Array, Array]:
     return np.vstack(parts), np.repeat(np.arange(SCRAMBLES), each)
 
 
+def _refuse_far_limits(setup: Setup, roots: list[Root]) -> None:
+    """Refuse a limit that hardly any sample reaches, before all are run."""
+    if not any(isfinite(root.log_velocity) for root in roots):
+        kinds = ", ".join(sorted({root.kind for root in roots}))
+        text = (
+            f"is answered by none of {len(roots)} samples up to {BEYOND:g} times its end: {kinds}"
+        )
+        raise InputError("--limit", str(setup.limit), text, "take another limit, range or model")
+
+
 def _survey(setup: Setup, scores: Array, run: Run) -> list[Root]:
-    """Critical velocities of all samples by the reduced model."""
-    chunk = max(1, ceil(len(scores) / (4 * setup.jobs)))
-    parts = [scores[k : k + chunk] for k in range(0, len(scores), chunk)]
+    """Critical velocities of all samples by the reduced model, a scramble a task."""
+    parts = np.split(scores, SCRAMBLES)  # whatever the number of processes: searches start alike
     return [root for part in run(partial(roots_of, setup), parts) for root in part]
 
 

@@ -1,5 +1,6 @@
 """A fragility curve with its band, and what the reduced model says alone."""
 
+from math import isinf
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +34,9 @@ def draw_fragility(result: Fragility, path: Path) -> None:
         panel.set_ylim(0.0, 1.0)
         panel.set_xlim(max(velocity[0], setup.ends[0]), min(velocity[-1], setup.ends[1]))
         panel.set_xlabel("impact velocity (m/s)")
-        panel.set_ylabel(f"probability of exceeding {setup.limit}")
+        falls = isinf(setup.limit.displacement)
+        of = "collapse" if falls else f"exceeding {setup.limit}"
+        panel.set_ylabel(f"probability of {of}")
         panel.grid(True, linewidth=0.4)
         band = {**INTERVAL, "linewidth": 6.0}
         handles = [
