@@ -90,7 +90,7 @@ def test_modules_hold_one_thought() -> None:
     assert lengths[-1] <= 350
     # One thought a module: neither a scatter of tiny ones nor a heap.
     assert 100 <= lengths[len(lengths) // 2] <= 200
-    assert len(lengths) <= 310
+    assert len(lengths) <= 315  # of which 11 are the room of uncertain inputs
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(ROOT)))

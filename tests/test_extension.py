@@ -222,7 +222,7 @@ def add_law(root: Path) -> None:
 def add_verb(root: Path) -> None:
     (root / "workbench/cli/energy.py").write_text(VERB)
     verbs = root / "workbench/cli/__init__.py"
-    swap(verbs, "chart, data, doctor,", "chart, data, doctor, energy,")
+    swap(verbs, "        doctor,\n", "        doctor,\n        energy,\n")
     line = '    app.command("doctor")(doctor.doctor)\n'
     swap(verbs, line, f'{line}    app.command("energy")(energy.energy)\n')
 

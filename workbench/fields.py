@@ -62,7 +62,9 @@ class Number(Rule):
         if isinstance(value, str):
             value = self._with_unit(path, value)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise self._refusal(path, value, "write a number without quotes")
+            many = "write a number; distributions are for `workbench fragility` and `sample`"
+            quoted = "write a number without quotes"
+            raise self._refusal(path, value, many if isinstance(value, dict) else quoted)
         if isinstance(value, float) and not math.isfinite(value):
             raise self._refusal(path, value, "the number must be finite")
         # Compared as it is: whole numbers may lie beyond all floats.

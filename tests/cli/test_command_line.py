@@ -48,6 +48,8 @@ def test_help_imports_nothing_heavy() -> None:
         "limit",
         "fragility",
         "verify",
+        "sample",
+        "sensitivity",
         "run",
         "status",
         "report",

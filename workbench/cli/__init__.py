@@ -80,6 +80,7 @@ def _application() -> Callable[..., Any]:
         limit,
         models,
         new,
+        sample,
         simulate,
         studies,
     )
@@ -108,6 +109,8 @@ def _application() -> Callable[..., Any]:
     app.command("limit")(limit.limit)
     app.command("fragility")(fragility.fragility)
     app.command("verify")(fragility.verify)
+    app.command("sample")(sample.sample)
+    app.command("sensitivity")(sample.sensitivity)
     for function in (studies.run, studies.status, studies.report, studies.validate):
         app.command(function.__name__)(function)
     app.add_typer(fit.app, name="fit")

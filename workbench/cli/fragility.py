@@ -48,11 +48,11 @@ def fragility(
     plot: str | None = option("Draw the curve.", None, "OUT.png|svg|pdf"),
     out: str | None = option("Write the certificate.", None, "CERTIFICATE.json"),
 ) -> Answer:
-    """Probability that an impact exceeds a limit, over its velocity.
+    """Probability that an impact exceeds a limit.
 
-    Numbers of the scenario may be distributions, such as yield_stress = { jcss = "S355" }. The band
-    of 90 % holds the errors of samples, model and reference. Exit status 0 if it is as narrow as
-    was asked (or within 1 % in velocity), 1 if it is not, 2 for bad input.
+    Numbers of the scenario may be distributions, such as yield_stress = { jcss = "S355" }. The
+    band of 90 % over velocity holds the errors of samples, model and reference. Exit status
+    0 if it is as narrow as was asked (or within 1 % in velocity), 1 if it is not, 2 for bad input.
     """
     from workbench.fields import Number
     from workbench.registry import make_model

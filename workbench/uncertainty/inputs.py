@@ -5,6 +5,7 @@ any part of a sample is the same whoever draws it. A Gaussian copula correlates 
 """
 
 import tomllib
+import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
@@ -51,16 +52,14 @@ class UncertainScenario:
         """The scenario at the medians of all inputs."""
         return scenario_from(self.tables)
 
+    @property
+    def independent(self) -> bool:
+        """Whether no two inputs are correlated."""
+        return bool(np.array_equal(self.factor, np.eye(len(self.inputs))))
+
     def normal_scores(self, count: int, seed: tuple[int, ...], first: int = 0) -> Array:
         """Independent standard normal scores (count, inputs) of points `first`, first + 1, ..."""
-        sobol = qmc.Sobol(len(self.inputs), rng=np.random.default_rng(seed))
-        if first:
-            sobol.fast_forward(first)
-        if first == 0 and count & (count - 1) == 0:
-            points = sobol.random_base2(count.bit_length() - 1)
-        else:
-            points = sobol.random(count)
-        return np.asarray(ndtri(np.clip(points, 1e-12, 1.0 - 1e-12)))
+        return sobol_scores(len(self.inputs), count, seed, first)
 
     def values(self, scores: Array) -> dict[Path_, Array]:
         """Values of each input at independent normal scores (samples, inputs)."""
@@ -68,15 +67,29 @@ class UncertainScenario:
         columns = zip(self.inputs.items(), correlated.T, strict=True)
         return {path: distribution.values(column) for (path, distribution), column in columns}
 
-    def scenarios(self, scores: Array) -> Iterator[Scenario]:
-        """The scenario of every sample. Raises `InputError` where a value is not allowed."""
+    def scenarios(self, scores: Array) -> Iterator[Scenario | InputError]:
+        """The scenario of every sample, or why its values are none."""
         values = self.values(scores)
         for number in range(len(scores)):
             tables = deepcopy(self.tables)
             for path, column in values.items():
                 value = column[number]
                 _put(tables, path, value if isinstance(value, str) else float(value))
-            yield scenario_from(tables)
+            try:
+                yield scenario_from(tables)
+            except InputError as error:
+                yield error
+
+
+def sobol_scores(dimension: int, count: int, seed: tuple[int, ...], first: int = 0) -> Array:
+    """Standard normal scores (count, dimension) of points of a scrambled Sobol sequence."""
+    sobol = qmc.Sobol(dimension, rng=np.random.default_rng(seed))
+    if first:
+        sobol.fast_forward(first)
+    with warnings.catch_warnings():  # of counts that are no power of two: parts of a sequence
+        warnings.simplefilter("ignore", UserWarning)
+        points = sobol.random(count)
+    return np.asarray(ndtri(np.clip(points, 1e-12, 1.0 - 1e-12)))
 
 
 def load_uncertain(path: Path | str, overrides: Iterable[str] = ()) -> UncertainScenario:

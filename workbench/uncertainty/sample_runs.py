@@ -4,13 +4,14 @@ import json
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
-from math import exp, isfinite, log
+from math import exp, isfinite, log, nan
 from multiprocessing import get_context
 from typing import Any, NamedTuple
 
 from threadpoolctl import threadpool_limits
 
 from workbench.arrays import Array
+from workbench.errors import InputError
 from workbench.evidence.error_model import PEAK
 from workbench.models.base import on_one_mesh
 from workbench.responses import Outcome, outcome_of
@@ -18,6 +19,7 @@ from workbench.responses.uncertainty import WIDTHS
 from workbench.uncertainty.critical_velocity import (
     BEYOND,
     COARSE,
+    NO_ANSWER,
     Asked,
     Limit,
     Ratio,
@@ -66,6 +68,9 @@ def roots_of(setup: Setup, scores: Array) -> list[Root]:
     """Critical velocities of some samples; each search starts from the one before."""
     start, roots = log(setup.ends[0] * setup.ends[1]) / 2.0, []
     for scenario in setup.uncertain.scenarios(scores):
+        if isinstance(scenario, InputError):
+            roots.append(Root(nan, NO_ANSWER, 0))
+            continue
         asked = Asked(setup.reduced, scenario)
         root = critical_velocity(asked.peak_at, setup.limit, start, setup.search)
         roots.append(root)

@@ -1,0 +1,117 @@
+"""`workbench sample` and `workbench sensitivity`."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from workbench.cli import run
+from workbench.registry import make_model
+from workbench.scenarios import load_scenario
+
+TEXT = """
+kind = "column-impact"
+name = "uncertain column"
+[column]
+section = "HEB 220"
+length_below = 2.0
+length_above = 2.0
+axial_load = { lognormal = { mean = 500e3, cov = 0.15 } }
+[steel]
+yield_stress = { jcss = "S355" }
+[striker]
+mass = 1500.0
+velocity = { normal = [10.0, 1.0] }
+"""
+SDOF = ("--model", "single-dof", "--jobs", "1")
+
+
+@pytest.fixture
+def uncertain_file(tmp_path):
+    path = tmp_path / "column.toml"
+    path.write_text(TEXT)
+    return str(path)
+
+
+def test_rows_are_the_answers_of_single_calls(uncertain_file, tmp_path, capsys):
+    out = tmp_path / "answers.csv"
+    arguments = ("--samples", "12", "--out", str(out))
+    assert run(["sample", uncertain_file, *SDOF, *arguments]) == 0
+    assert "12 samples by single-dof: 12 ok" in capsys.readouterr().out
+    table = pd.read_csv(out)
+    keys = ["column.axial_load", "steel.yield_stress", "striker.velocity"]
+    assert list(table.columns[:3]) == keys
+    row = table.iloc[5]
+    single = load_scenario(uncertain_file, [f"{key}={float(row[key])!r}" for key in keys])
+    peak = float(make_model("single-dof").simulate(single).peak_displacement)
+    assert row["peak_displacement"] == pytest.approx(peak, rel=1e-12)
+
+
+def test_parts_of_a_sequence_are_the_whole(uncertain_file, tmp_path):
+    whole, part = tmp_path / "whole.nc", tmp_path / "part.nc"
+    assert run(["sample", uncertain_file, *SDOF, "--samples", "20", "--out", str(whole)]) == 0
+    parts = ("--samples", "7", "--first", "13", "--out", str(part))
+    assert run(["sample", uncertain_file, *SDOF, *parts]) == 0
+    with xr.open_dataset(whole) as all_, xr.open_dataset(part) as last:
+        assert np.array_equal(all_.peak_displacement[13:], last.peak_displacement)
+
+
+def test_collapse_and_failure_stand_in_their_row(uncertain_file, tmp_path):
+    out = tmp_path / "answers.csv"
+    loaded = ("--set", "column.axial_load={ uniform = [1.0e6, 5.0e6] }")
+    status = run(["sample", uncertain_file, *SDOF, *loaded, "--samples", "16", "--out", str(out)])
+    table = pd.read_csv(out, keep_default_na=False)
+    ok = table["outcome"] == "ok"
+    assert 0 < ok.sum() < 16
+    assert all(table["failure"][~ok] != "")
+    assert all(table["peak_displacement"][~ok] == "")
+    assert "invalid-input" in set(table["outcome"])  # above the squash load
+    assert status == 1
+
+
+def test_velocity_decides_the_peak(uncertain_file, capsys):
+    arguments = ("--samples", "128", "--json")
+    assert run(["sensitivity", uncertain_file, *SDOF, *arguments]) == 0
+    rows = {r["input"]: r for r in json.loads(capsys.readouterr().out)["indices"]}
+    # d ln peak / d ln v = 1.8 at a cov of 0.1, and some -0.9 of the yield stress at 0.07
+    assert rows["striker.velocity"]["total"]["value"] > 0.7
+    assert 0.02 < rows["steel.yield_stress"]["total"]["value"] < 0.3
+    assert run(["sensitivity", uncertain_file, *SDOF, "--samples", "64"]) == 0
+    assert "striker.velocity" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("sample", "--samples", "0", "--out", "a.csv"), "--samples"),
+        (("sample", "--out", "a.xlsx"), "--out"),
+        (("sample", "--out", "a.csv", "--seed", "-1"), "--seed"),
+        (("sample", "--out", "a.csv", "--first", "-1"), "--first"),
+        (("sensitivity", "--samples", "5"), "--samples"),
+        (("sensitivity", "--samples", "64", "--quantity", "colour"), "--quantity"),
+        (
+            (
+                "sensitivity",
+                "--set",
+                'correlation.pairs=[["column.axial_load", "striker.velocity", 0.5]]',
+            ),
+            "correlation",
+        ),
+    ],
+)
+def test_wrong_options_of_samples_are_one_line(uncertain_file, capsys, arguments, message):
+    verb, *rest = arguments
+    assert run([verb, uncertain_file, *SDOF, *rest]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+
+
+def test_certain_scenarios_have_no_samples(tmp_path, capsys):
+    assert run(["new", "column"]) == 0
+    path = tmp_path / "plain.toml"
+    path.write_text(capsys.readouterr().out)
+    assert run(["sensitivity", str(path), *SDOF]) == 2
+    assert "no uncertain input" in capsys.readouterr().err

@@ -1,0 +1,209 @@
+"""`workbench sample`: answers to uncertain inputs; `workbench sensitivity`: what they depend on."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from workbench.cli.output import Answer, at_work, option, verb, writable
+from workbench.cli.simulate import Options, ScenarioFile, Settings, pairs_of
+from workbench.content.tree import Block, Column, Paragraph, Table
+from workbench.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from workbench.uncertainty.inputs import UncertainScenario
+    from workbench.uncertainty.sensitivity import Index
+
+MOST = 10_000_000
+_SHARES = (0.05, 0.5, 0.95)
+Jobs = int | None
+
+
+@verb
+def sample(
+    scenario: ScenarioFile,
+    model: str = option("Name of a model, see `workbench models`.", ..., "NAME"),
+    out: str = option("Write the table.", ..., "ANSWERS.csv|nc"),
+    samples: int = option("Samples of the inputs.", 1024),
+    seed: int = option("Seed of the Sobol sequence.", 1),
+    first: int = option("First sample of the sequence.", 0),
+    jobs: Jobs = option("Processes.  [default: one for each core]", None),
+    settings: Settings = None,
+    options: Options = None,
+) -> Answer:
+    """Answer samples of uncertain inputs.
+
+    One model, one table, a row a sample. Samples are points of a scrambled Sobol sequence: those
+    from --first on are the same whatever the number of samples or processes. Exit status 0 if all
+    survive or collapse, 1 if one has no answer (the table says why), 2 for bad input.
+    """
+    from workbench.fields import Number
+    from workbench.registry import make_model
+    from workbench.uncertainty.answers import FAILURE, OUTCOME, sample_answers
+
+    target = writable("--out", out, "csv", "nc", inputs=[scenario])
+    Number(1, MOST, integer=True).check("--samples", samples)
+    Number(0, MOST, integer=True).check("--first", first)
+    uncertain = _uncertain(scenario, settings, seed)
+    count = _jobs(jobs)
+    chosen = make_model(model, pairs_of("--option", options))
+    with at_work(f"{model}, {samples} samples, at work"):
+        scores = uncertain.normal_scores(samples, (seed,), first)
+        table = sample_answers(chosen, uncertain, scores, count)
+    _write(target, table)
+    outcomes = {str(name): int(n) for name, n in table[OUTCOME].value_counts().items()}
+    numbers = [name for name in table.columns if name not in (*uncertain.names, OUTCOME, FAILURE)]
+    rows = [
+        {"quantity": name, "answers": int(table[name].notna().sum()), **_quantiles(table[name])}
+        for name in numbers
+    ]
+    content = {"scenario": uncertain.base.name, "model": model, "outcomes": outcomes}
+    texts = ", ".join(f"{n} {name}" for name, n in outcomes.items())
+    blocks = (
+        Paragraph(f"{uncertain.base.name}, {samples} samples by {model}: {texts}."),
+        Table.of("quantiles", "Quantiles of what was answered, in SI.", _quantile_columns(), rows),
+        Paragraph(f"The table is in {target}."),
+    )
+    whole = outcomes.get("ok", 0) + outcomes.get("collapse", 0) == samples
+    return Answer({**content, "quantiles": rows}, blocks, int(not whole))
+
+
+@verb
+def sensitivity(
+    scenario: ScenarioFile,
+    model: str = option("Name of a model, see `workbench models`.", "four-dof", "NAME"),
+    samples: int = option("Rows; the model answers inputs + 2 times as many.", 1024),
+    quantity: str = option("Scalar of the answer.", "peak_displacement", "NAME"),
+    seed: int = option("Seed of the Sobol sequence.", 1),
+    jobs: Jobs = option("Processes.  [default: one for each core]", None),
+    settings: Settings = None,
+    options: Options = None,
+) -> Answer:
+    """What an answer depends on: Sobol indices.
+
+    First and total indices of the uncertain inputs: of the answer given survival, and of having no
+    such answer (collapse, refusal, failure), with intervals of 90 %. Exit status 0, 2 for bad
+    input.
+    """
+    import numpy as np
+
+    from workbench.fields import Number
+    from workbench.registry import make_model
+    from workbench.uncertainty.answers import sample_answers
+    from workbench.uncertainty.inputs import sobol_scores
+    from workbench.uncertainty.sensitivity import FEWEST_ROWS, sobol_indices
+
+    Number(FEWEST_ROWS, MOST, integer=True).check("--samples", samples)
+    uncertain = _uncertain(scenario, settings, seed)
+    if not uncertain.independent:
+        text = "makes indices of single inputs meaningless"
+        raise InputError("correlation", "", text, "leave the table out")
+    chosen, count = make_model(model, pairs_of("--option", options)), _jobs(jobs)
+    d = len(uncertain.inputs)
+    scores = sobol_scores(2 * d, samples, (seed,))
+    A, B = scores[:, :d], scores[:, d:]
+    mixed = [np.where(np.arange(d) == i, B, A) for i in range(d)]
+    with at_work(f"{model}, {samples * (d + 2)} samples, at work"):
+        table = sample_answers(chosen, uncertain, np.vstack([A, B, *mixed]), count)
+    if quantity not in table:
+        known = [name for name in table.columns if table[name].dtype == float]
+        text = f"is no scalar of these answers: {', '.join(known)}"
+        raise InputError("--quantity", quantity, text)
+    values = table[quantity].to_numpy(dtype=float).reshape(d + 2, samples)
+    missing = np.isnan(values).astype(float)
+    indices = sobol_indices(values[0], values[1], values[2:], seed)
+    share = float(missing.mean())
+    fails = sobol_indices(missing[0], missing[1], missing[2:], seed) if 0 < share < 1 else None
+    rows = []
+    for i, name in enumerate(uncertain.names):
+        row: dict[str, Any] = {"input": name}
+        row |= {"first": indices.first[i], "total": indices.total[i]}
+        if fails is not None:
+            row |= {"first_missing": fails.first[i], "total_missing": fails.total[i]}
+        rows.append(row)
+    content = {
+        "scenario": uncertain.base.name,
+        "model": model,
+        "quantity": quantity,
+        "samples": samples,
+        "missing_share": share,
+        "indices": [
+            {k: v if isinstance(v, str) else v._asdict() for k, v in row.items()} for row in rows
+        ],
+    }
+    return Answer(content, _shown(uncertain, model, quantity, share, rows))
+
+
+def _uncertain(scenario: str, settings: list[str] | None, seed: int) -> UncertainScenario:
+    from workbench.fields import Number
+    from workbench.uncertainty.inputs import load_uncertain
+
+    Number(0, 2**32 - 1, integer=True).check("--seed", seed)
+    uncertain = load_uncertain(scenario, settings or [])
+    if not uncertain.inputs:
+        advice = "write a distribution, such as velocity = { normal = [14.0, 2.0] }"
+        raise InputError("scenario", uncertain.base.name, "has no uncertain input", advice)
+    return uncertain
+
+
+def _jobs(jobs: Jobs) -> int:
+    from workbench.fields import Number
+
+    count = os.cpu_count() or 1 if jobs is None else jobs
+    return int(Number(1, 512, integer=True).check("--jobs", count))
+
+
+def _write(target: Path, table: pd.DataFrame) -> None:
+    from workbench.study.store import to_netcdf_bytes, write_atomically
+
+    if target.suffix.lower() == ".csv":
+        write_atomically(target, table.to_csv(index=False, lineterminator="\n").encode())
+    else:
+        write_atomically(target, to_netcdf_bytes(table.rename_axis("sample").to_xarray()))
+
+
+def _quantiles(values: pd.Series) -> dict[str, float | None]:
+    known = values.dropna()
+    if known.empty:
+        return {f"q{share:g}": None for share in _SHARES}
+    return {f"q{share:g}": float(known.quantile(share)) for share in _SHARES}
+
+
+def _quantile_columns() -> tuple[Column, ...]:
+    def number(name: str) -> Column:
+        return Column(name, True, 1.0, lambda row: "" if row[name] is None else f"{row[name]:.4g}")
+
+    shares = (number(f"q{share:g}") for share in _SHARES)
+    return (
+        Column("quantity", width=1.6, of=lambda row: row["quantity"].replace("_", " ")),
+        Column("answers", True, 0.8, lambda row: row["answers"]),
+        *shares,
+    )
+
+
+def _shown(
+    uncertain: UncertainScenario, model: str, quantity: str, share: float, rows: list[Any]
+) -> Iterator[Block]:
+    text = f"{quantity.replace('_', ' ')} by {model}"
+    yield Paragraph(f"{uncertain.base.name}: {text}; {100.0 * share:.1f} % have no such answer.")
+
+    def column(key: str, title: str) -> Column:
+        return Column(title, True, 1.2, lambda row: _index(row[key]))
+
+    columns = [
+        Column("input", width=1.6, of=lambda row: row["input"]),
+        *(column("first", "first"), column("total", "total")),
+    ]
+    if "first_missing" in rows[0]:
+        columns += [column("first_missing", "no answer: first"), column("total_missing", "total")]
+    caption = "Sobol indices, 90 % intervals; total is the share of the variance that is left "
+    caption += "when all other inputs are known."
+    yield Table.of("indices", caption, columns, rows)
+
+
+def _index(index: Index) -> str:
+    return f"{index.value:.2f} ({index.low:.2f} to {index.high:.2f})"
