@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from workbench.desk.answers import *  # noqa: F403
+    from workbench.desk.sweeps import *  # noqa: F403
     from workbench.errors import *  # noqa: F403
     from workbench.materials import *  # noqa: F403
     from workbench.registry import *  # noqa: F403
@@ -28,6 +29,7 @@ _PUBLIC = {  # room: names that it gives
     ),
     "registry": ("make_model", "model_names"),
     "study": ("Study", "Case", "Figure", "Gate", "Budget", "load_study", "run_study"),
+    "desk.sweeps": ("sweep",),
     "desk.answers": (
         *("Comparison", "compare", "fit_residual", "hit", "load", "simulate", "study_of"),
     ),

@@ -48,6 +48,7 @@ def test_help_imports_nothing_heavy() -> None:
         "limit",
         "fragility",
         "verify",
+        "sweep",
         "sample",
         "sensitivity",
         "run",

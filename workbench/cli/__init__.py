@@ -83,6 +83,7 @@ def _application() -> Callable[..., Any]:
         sample,
         simulate,
         studies,
+        sweep,
     )
 
     app = typer.Typer(
@@ -109,6 +110,7 @@ def _application() -> Callable[..., Any]:
     app.command("limit")(limit.limit)
     app.command("fragility")(fragility.fragility)
     app.command("verify")(fragility.verify)
+    app.command("sweep")(sweep.sweep)
     app.command("sample")(sample.sample)
     app.command("sensitivity")(sample.sensitivity)
     for function in (studies.run, studies.status, studies.report, studies.validate):

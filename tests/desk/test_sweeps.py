@@ -1,0 +1,104 @@
+"""Sweeps: every value with every other, by models, in one dataset."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import workbench as wb
+from workbench.cli import run
+
+MODELS = ("single-dof", "four-dof")
+
+
+@pytest.fixture(scope="module")
+def impact():
+    return wb.hit(wb.Column("HEB 220", 2.0, 2.0, axial_load=5e5), mass=1500, velocity=5)
+
+
+@pytest.fixture(scope="module")
+def swept(impact):
+    over = {"striker.velocity": [5.0, "36 km/h", 90.0], "striker.mass": [800, 1500]}
+    return wb.sweep(impact, over, MODELS)
+
+
+def test_dimensions_are_the_keys_and_values_are_in_si(swept):
+    assert swept.peak_displacement.dims == ("model", "striker.velocity", "striker.mass")
+    assert swept["striker.velocity"].to_numpy().tolist() == [5.0, 10.0, 90.0]
+    assert swept.peak_displacement.attrs["units"] == "m"
+
+
+def test_cells_are_the_answers_of_single_calls(impact, swept):
+    for model in MODELS:
+        at = {"model": model, "striker.velocity": 10.0, "striker.mass": 1500}
+        single = wb.simulate(impact.at_velocity(10.0), model)
+        assert float(swept.peak_displacement.sel(at)) == float(single.peak_displacement)
+
+
+def test_collapse_is_an_outcome_without_a_number(swept):
+    fast = swept.sel({"striker.velocity": 90.0, "model": "four-dof"})
+    assert set(fast.outcome.to_numpy().tolist()) == {"collapse"}
+    assert np.isnan(fast.peak_displacement).all()
+    assert all(fast.failure.to_numpy() != "")
+
+
+def test_processes_change_nothing(impact):
+    over = {"striker.velocity": np.linspace(3.0, 9.0, 4)}
+    pair = [wb.sweep(impact, over, MODELS, jobs=n) for n in (1, 2)]
+    xr.testing.assert_identical(*pair)
+
+
+def test_wrong_values_stand_in_their_cell_unless_all_are(impact):
+    answers = wb.sweep(impact, {"striker.mass": [-1.0, 1500.0]}, ["single-dof"])
+    assert answers.outcome.to_numpy().tolist() == [["invalid-input", "ok"]]
+    for over, message in (
+        ({"striker.mass": [-1.0]}, "striker.mass"),
+        ({"striker.colour": [1.0]}, "colour"),
+        ({"striker.mass": []}, "striker.mass"),
+        ({}, "over"),
+    ):
+        with pytest.raises(wb.InputError, match=message):
+            wb.sweep(impact, over, ["single-dof"])
+    with pytest.raises(wb.InputError, match="different"):
+        wb.sweep(impact, {"striker.mass": [900.0]}, ["single-dof", "single-dof"])
+
+
+@pytest.fixture
+def column_file(tmp_path, capsys):
+    assert run(["new", "column"]) == 0
+    path = tmp_path / "column.toml"
+    path.write_text(capsys.readouterr().out)
+    return str(path)
+
+
+def test_sweep_verb_writes_both_tables(column_file, tmp_path, capsys):
+    over = ("--over", "striker.velocity=2:4:0.5", "--over", "striker.mass=900, 1500")
+    for ending in ("csv", "nc"):
+        out = tmp_path / f"answers.{ending}"
+        arguments = (*over, "--model", "single-dof", "--out", str(out), "--jobs", "1")
+        assert run(["sweep", column_file, *arguments]) == 0
+    assert "10 answers, 10 ok" in capsys.readouterr().out
+    assert len(pd.read_csv(tmp_path / "answers.csv")) == 10
+    with xr.open_dataset(tmp_path / "answers.nc") as answers:
+        assert answers.sizes == {"model": 1, "striker.velocity": 5, "striker.mass": 2}
+    assert run(["sweep", column_file, *over, "--model", "single-dof", "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["answers"]) == 10
+
+
+@pytest.mark.parametrize(
+    "over",
+    [
+        "striker.velocity",
+        "striker.velocity=5:1:1",
+        "striker.velocity=1:5:0",
+        "striker.velocity=1:5",
+        "striker.velocity=a:b:c",
+        "striker.velocity=0:1e9:1e-3",
+        "striker.shade=1,2",
+    ],
+)
+def test_wrong_sweeps_are_one_line(column_file, capsys, over):
+    assert run(["sweep", column_file, "--over", over, "--model", "single-dof"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1

@@ -1,0 +1,114 @@
+"""`workbench sweep`: a scenario with some of its values varied, answered by models."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from workbench.cli.output import Answer, Names, at_work, option, verb, writable
+from workbench.cli.simulate import ScenarioFile, Settings
+from workbench.content.tree import Block, Column, Paragraph, Table
+from workbench.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_SHOWN = 40  # rows on a terminal
+_MOST_VALUES = 100_000
+
+
+@verb
+def sweep(
+    scenario: ScenarioFile,
+    over: Names = option("Values of a key, once for each key.", ..., "KEY=LOW:HIGH:STEP|A,B,..."),
+    model: Names = option("Name of a model, once for each.  [default: by the scenario]", None),
+    out: str | None = option("Write the table.", None, "ANSWERS.nc|csv"),
+    jobs: int | None = option("Processes.  [default: one for each core]", None),
+    settings: Settings = None,
+) -> Answer:
+    """Answer a scenario with some of its values varied.
+
+    Every value with every other, by every model. Exit status 0 if all survive or collapse, 1 if one
+    has no answer (the table says why), 2 for bad input.
+    """
+    from workbench.desk.sweeps import sweep as swept
+    from workbench.fields import Number
+    from workbench.scenarios import load_scenario
+    from workbench.study.store import to_netcdf_bytes, write_atomically
+
+    target = None if out is None else writable("--out", out, "nc", "csv", inputs=[scenario])
+    count = os.cpu_count() or 1 if jobs is None else jobs
+    Number(1, 512, integer=True).check("--jobs", count)
+    values = dict(_values(text) for text in over or ())
+    given = load_scenario(scenario, settings or [])
+    with at_work("the sweep at work"):
+        answers = swept(given, values, model or (), count)
+    table = answers.to_dataframe().reset_index()
+    if target is not None and target.suffix.lower() == ".csv":
+        write_atomically(target, table.to_csv(index=False, lineterminator="\n").encode())
+    elif target is not None:
+        write_atomically(target, to_netcdf_bytes(answers))
+    rows = table.astype(object).where(table.notna(), None).to_dict("records")
+    outcomes = table["outcome"].value_counts()
+    shown = list(_blocks(given.name, list(values), table, rows))
+    if target is not None:
+        shown.append(Paragraph(f"The table is in {target}."))
+    content: dict[str, Any] = {"scenario": given.name, "over": list(values), "answers": rows}
+    whole = int(outcomes.get("ok", 0)) + int(outcomes.get("collapse", 0)) == len(rows)
+    return Answer(content, shown, int(not whole))
+
+
+def _values(text: str) -> tuple[str, list[Any]]:
+    """Key and values of ``KEY=LOW:HIGH:STEP`` or ``KEY=A,B,...``."""
+    from workbench.scenarios.files import parse_value
+
+    key, equals, values = text.partition("=")
+    if not equals or not key.strip() or not values.strip():
+        raise InputError("--over", text, "must look like striker.velocity=5:30:0.5 or KEY=A,B")
+    ends = values.split(":")
+    if len(ends) == 1:
+        return key.strip(), [parse_value(each.strip()) for each in values.split(",")]
+    try:
+        low, high, step = map(float, ends)
+    except ValueError as error:
+        advice = "three numbers in SI units, or values with commas"
+        raise InputError("--over", text, "must be LOW:HIGH:STEP", advice) from error
+    if not step > 0.0 or not low <= high or not (high - low) / step < _MOST_VALUES:
+        allowed = f"must rise by a step above 0, in fewer than {_MOST_VALUES} steps"
+        raise InputError("--over", text, allowed)
+    number = int((high - low) / step + 1e-9)
+    return key.strip(), [round(low + step * k, 12) for k in range(number + 1)]
+
+
+def _blocks(name: str, keys: list[str], table: pd.DataFrame, rows: list[Any]) -> Iterator[Block]:
+    from workbench.content.formatting import in_unit
+
+    outcomes = ", ".join(f"{n} {each}" for each, n in table["outcome"].value_counts().items())
+    yield Paragraph(f"{name}: {len(rows)} answers, {outcomes}.")
+
+    def cell(quantity: str) -> Column:
+        def text(row: dict[str, Any]) -> str | None:
+            return None if row[quantity] is None else in_unit(row[quantity], quantity, 3)
+
+        return Column(quantity.replace("_", " "), True, 1.0, text)
+
+    def value(key: str) -> Column:
+        def text(row: dict[str, Any]) -> str:
+            return f"{row[key]:g}" if _is_number(row[key]) else str(row[key])
+
+        return Column(key, True, 1.0, text)
+
+    columns = (
+        Column("model", width=1.2, of=lambda row: row["model"]),
+        *map(value, keys),
+        *(cell(q) for q in ("peak_displacement", "residual_displacement") if q in table),
+        Column("outcome", width=0.9, of=lambda row: row["outcome"]),
+    )
+    yield Table.of("sweep", "", columns, rows[:_SHOWN])
+    if len(rows) > _SHOWN:
+        yield Paragraph(f"{len(rows) - _SHOWN} more rows stand in --out and --json.")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

@@ -1,0 +1,135 @@
+"""One scenario with some of its values varied, answered by models: a labelled dataset."""
+
+from __future__ import annotations
+
+import itertools
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from workbench.desk.answers import asked
+from workbench.errors import InputError
+from workbench.evidence.advice import choose
+from workbench.models.base import Model
+from workbench.responses import SCALARS
+from workbench.responses.variables import VARIABLES
+from workbench.scenarios import Scenario, load_scenario
+from workbench.scenarios.files import apply_override, scenario_from, to_toml
+from workbench.uncertainty.answers import CHUNK, FAILURE, OUTCOME, answers_of
+from workbench.uncertainty.sample_runs import Processes
+
+MOST = 1_000_000
+
+
+def sweep(
+    scenario: Scenario | Path | str,
+    over: Mapping[str, Iterable[Any]],
+    models: Sequence[Model | str] = (),
+    jobs: int = 1,
+) -> xr.Dataset:
+    """Answer a scenario with some of its values varied, every value with every other.
+
+    Parameters
+    ----------
+    scenario : what happens, or the path of its file.
+    over : values by key of the scenario, such as ``{"striker.velocity": [5, 10, "54 km/h"]}``.
+    models : names, or models with their options; without any that of `workbench advise`.
+    jobs : processes.
+
+    Returns
+    -------
+    xarray.Dataset
+        Scalars in SI units over ``model`` and the keys; NaN where a model collapses, refuses or
+        fails, which ``outcome`` and ``failure`` say.
+
+    Raises
+    ------
+    InputError
+        For unknown keys, models and values none of which is allowed.
+
+    Examples
+    --------
+    >>> import workbench as wb
+    >>> column = wb.Column("HEB 220", 0.8, 3.2, axial_load="500 kN")
+    >>> impact = wb.hit(column, mass=1500, velocity=5)
+    >>> swept = wb.sweep(impact, {"striker.velocity": [5, 10, 80]}, ["single-dof", "four-dof"])
+    >>> swept.sizes["striker.velocity"]
+    3
+    >>> str(swept.outcome.sel({"model": "four-dof", "striker.velocity": 80}).item())
+    'collapse'
+    """
+    given = load_scenario(scenario) if isinstance(scenario, (Path, str)) else scenario
+    values = {key: list(each) for key, each in over.items()}
+    for key, each in values.items():
+        if not each:
+            raise InputError(key, each, "needs at least one value")
+    count = int(np.prod([len(each) for each in values.values()], dtype=float))
+    if not values or count > MOST:
+        text = f"must be 1 to {MOST} combinations of values"
+        raise InputError("over", count if values else None, text)
+    chosen = [asked(model) for model in models or (choose(given).model,)]
+    names = [model.name for model in chosen]
+    if len(set(names)) < len(names):
+        raise InputError("models", names, "must be different models")
+    tables = tomllib.loads(to_toml(given))
+    combinations = itertools.product(*values.values())
+    varied = [_with(tables, dict(zip(values, each, strict=True))) for each in combinations]
+    errors = [each for each in varied if isinstance(each, InputError)]
+    if len(errors) == len(varied):
+        raise errors[0]
+    parts = [varied[k : k + CHUNK] for k in range(0, len(varied), CHUNK)]
+    with Processes(jobs if len(parts) * len(chosen) > 1 else 1) as run:
+        tasks = [(model, part) for model in chosen for part in parts]
+        rows: pd.DataFrame = pd.concat(run(_answer, tasks), ignore_index=True)
+    return _dataset(rows, names, {k: _coordinate(tables, k, v) for k, v in values.items()})
+
+
+def _answer(task: tuple[Model, list[Scenario | InputError]]) -> pd.DataFrame:
+    return answers_of(*task)
+
+
+def _with(tables: Mapping[str, Any], values: Mapping[str, Any]) -> Scenario | InputError:
+    """The scenario with other values, or why they are not allowed."""
+    changed = deepcopy(dict(tables))
+    try:
+        for key, value in values.items():
+            plain = value.item() if isinstance(value, np.generic) else value
+            text = f'"{plain}"' if isinstance(plain, str) else repr(plain)
+            apply_override(changed, f"{key}={text}")
+        return scenario_from(changed)
+    except InputError as error:
+        return error
+
+
+def _coordinate(tables: Mapping[str, Any], key: str, values: list[Any]) -> list[Any]:
+    """Values as the scenario reads them: numbers with a unit in SI."""
+    read = []
+    for value in values:
+        built, at = _with(tables, {key: value}), value
+        if not isinstance(built, InputError) and isinstance(value, str):
+            part: Any = tomllib.loads(to_toml(built))
+            for name in key.split("."):
+                part = part.get(name, value) if isinstance(part, dict) else value
+            at = part
+        read.append(at)
+    return read
+
+
+def _dataset(rows: pd.DataFrame, names: list[str], over: Mapping[str, list[Any]]) -> xr.Dataset:
+    dims = ("model", *over)
+    shape = (len(names), *(len(each) for each in over.values()))
+    variables: dict[str, Any] = {}
+    for name in SCALARS:
+        if name in rows:
+            about = VARIABLES[name]
+            labels = {"long_name": about.long_name, "units": about.units}
+            variables[name] = (dims, rows[name].to_numpy(dtype=float).reshape(shape), labels)
+    for name in (OUTCOME, FAILURE):
+        variables[name] = (dims, rows[name].to_numpy(dtype=object).reshape(shape))
+    return xr.Dataset(variables, {"model": names, **over})
