@@ -48,7 +48,7 @@ def test_every_public_name_is_there_and_is_no_room() -> None:
         _ = wb.nothing
 
 
-@pytest.mark.parametrize("room", ["answers", "accessor"])
+@pytest.mark.parametrize("room", ["answers", "accessor", "sweeps"])
 def test_examples_run(room: str) -> None:
     done = doctest.testmod(importlib.import_module(f"workbench.desk.{room}"))
     assert done.attempted > 2
