@@ -15,6 +15,7 @@ from workbench.uncertainty.critical_velocity import (
     Asked,
     Limit,
     critical_velocity,
+    grows,
     limit_of,
     ratio_to_reference,
     slope_at,
@@ -77,6 +78,14 @@ def toy(peak_at):
     object.__setattr__(asked, "scenario", None)
     object.__setattr__(asked, "peak_at", peak_at)
     return asked
+
+
+def test_peaks_that_fall_again_are_noticed():
+    at = log(100.0) / 1.8
+    assert grows(power(1e-3, 1.8), at, Limit(0.1))
+    assert not grows(lambda x: 0.1 * exp(-(x - at)), at, Limit(0.1))
+    assert grows(lambda x: inf, at, Limit(inf))
+    assert not grows(lambda x: 0.3, at, Limit(inf))
 
 
 def test_one_run_gives_the_ratio_of_equal_slopes():

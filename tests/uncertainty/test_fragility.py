@@ -59,6 +59,7 @@ def test_result_says_what_it_rests_on(result):
     assert result.kinds == {"reached": SAMPLES}
     assert len(result.ratios) == 16
     assert result.runs["references"] == 16
+    assert result.turning == 0
     assert result.numerical is None  # four-dof has no mesh: no width is invented for it
     assert not result.reaches_target
     low, middle, high = result.at(9.0)

@@ -197,6 +197,7 @@ def _pair(scenario: Any, model: str | None, reference: str | None) -> tuple[str,
 
 
 def _blocks(result: Fragility) -> Iterator[Block]:
+    from workbench.uncertainty.fragility import CHECKED
     from workbench.uncertainty.fragility_curve import PROBABILITIES
 
     setup, curve = result.setup, result.curve
@@ -236,6 +237,10 @@ def _blocks(result: Fragility) -> Iterator[Block]:
     if result.numerical is None:
         text = "The numerical error of the reference is not known: the band does not contain it."
         yield Paragraph(text)
+    if result.turning:
+        share = f"In {result.turning} of {CHECKED} samples"
+        text = "the peak falls below the limit again above the critical velocity"
+        yield Paragraph(f"{share} {text}: the curve counts the first passage.")
     if result.failed:
         yield Paragraph(f"{result.failed} references have no answer: the band is widened for them.")
     if not result.reaches_target:

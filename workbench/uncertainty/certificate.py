@@ -21,7 +21,7 @@ from workbench.uncertainty.critical_velocity import (
     critical_velocity,
     ratio_to_reference,
 )
-from workbench.uncertainty.fragility import LOOKS, SCRAMBLES, Fragility
+from workbench.uncertainty.fragility import CHECKED, LOOKS, SCRAMBLES, Fragility
 from workbench.uncertainty.fragility_curve import LEVEL
 from workbench.uncertainty.inputs import uncertain_from_text
 from workbench.uncertainty.sample_runs import Setup
@@ -63,6 +63,7 @@ def certificate(result: Fragility) -> dict[str, Any]:
         "looks": list(LOOKS) if result.looked else None,
         "kinds": result.kinds,
         "runs": result.runs,
+        "turning": {"samples": result.turning, "of": CHECKED},
         "references": references,
         "numerical_half_width": result.numerical,
         "mesh_shift": result.shift,

@@ -152,6 +152,12 @@ def slope_at(peak_at: Callable[[float], float], log_velocity: float, limit: Limi
     return min(max(slope, SLOPES[0]), SLOPES[1])
 
 
+def grows(peak_at: Callable[[float], float], log_velocity: float, limit: Limit) -> bool:
+    """Whether the limit is still passed 5 % above the critical velocity, as far as is known."""
+    peak = peak_at(log_velocity + log(1.05))
+    return isnan(peak) or peak >= limit.displacement
+
+
 class Ratio(NamedTuple):
     """ln of a reference's critical velocity over that of the reduced model (NaN: it failed).
 

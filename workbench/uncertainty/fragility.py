@@ -37,6 +37,7 @@ from workbench.uncertainty.sample_runs import (
     Run,
     Setup,
     Target,
+    grows_at,
     on_finer_mesh,
     ratio_at,
     roots_of,
@@ -45,6 +46,7 @@ from workbench.uncertainty.sample_runs import (
 SCRAMBLES, PILOT = 16, 64  # independent sequences of samples; samples before all others
 LOOKS = (12, 18, 27, 40, 60)  # references; the last look ends it
 MESH_SAMPLES = 4  # run on finer meshes than the other references
+CHECKED = 100  # samples whose peak must grow with the velocity
 FINEST_MESH = 2  # refinements more than those
 LARGEST_SHARE = 0.2  # of references that fail, or of samples without an answer
 
@@ -57,7 +59,8 @@ class Fragility:
     model at the same velocities; `numerical`, half-width in ln velocity that all references share,
     None where it is not known; `shift`, ln velocity, from their mesh to a finer one; `places`
     (samples), `velocities` (ln, of the reduced model) and `ratios` of the references; `kinds`, how
-    many samples of each kind; `seconds` by part.
+    many samples of each kind; `seconds` by part; `turning`, of `CHECKED` samples those whose peak
+    falls below the limit again 5 % above the critical velocity.
     """
 
     setup: Setup
@@ -73,6 +76,7 @@ class Fragility:
     runs: dict[str, int]
     seconds: dict[str, float]
     looked: bool
+    turning: int
 
     @property
     def failed(self) -> int:
@@ -119,6 +123,8 @@ def fragility(setup: Setup, say: Callable[[str], None] = lambda text: None) -> F
         offset = float(random.random())
         counts = LOOKS if setup.references is None else (setup.references,)
         places = place_references(population, counts[-1], offset)
+        checked = place_references(population, CHECKED, offset)
+        grown = run(partial(grows_at, setup), _tasks(checked, scores, population))
         ratios: list[Ratio] = []
         numerical: float | None = None
         shift, mesh_runs = 0.0, 0
@@ -167,6 +173,7 @@ def fragility(setup: Setup, say: Callable[[str], None] = lambda text: None) -> F
         *(setup, curve, without, reduced, numerical, shift, used, reached, ratios, kinds, runs),
         {**seconds, "all": perf_counter() - started},
         looked,
+        grown.count(False),
     )
 
 

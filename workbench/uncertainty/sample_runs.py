@@ -25,6 +25,7 @@ from workbench.uncertainty.critical_velocity import (
     Ratio,
     Root,
     critical_velocity,
+    grows,
     ratio_to_reference,
 )
 from workbench.uncertainty.inputs import UncertainScenario
@@ -85,6 +86,12 @@ def ratio_at(setup: Setup, task: tuple[Array, float]) -> Ratio:
     reference = Asked(on_one_mesh(setup.reference), scenario)
     reduced = Asked(setup.reduced, scenario)
     return ratio_to_reference(reference, reduced, setup.limit, task[1], setup.search)
+
+
+def grows_at(setup: Setup, task: tuple[Array, float]) -> bool:
+    """Whether the peak of one sample by the reduced model grows with the velocity."""
+    scenario = next(setup.uncertain.scenarios(task[0]))
+    return grows(Asked(setup.reduced, scenario).peak_at, task[1], setup.limit)
 
 
 def on_finer_mesh(
