@@ -115,3 +115,13 @@ def test_certain_scenarios_have_no_samples(tmp_path, capsys):
     path.write_text(capsys.readouterr().out)
     assert run(["sensitivity", str(path), *SDOF]) == 2
     assert "no uncertain input" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("most", "indexed"), [(1.1e6, False), (1.6e6, True)])
+def test_missing_answers_have_indices_where_there_are_enough(uncertain_file, capsys, most, indexed):
+    loaded = f"column.axial_load={{ uniform = [2.0e5, {most}] }}"
+    arguments = ("--set", loaded, "--samples", "256", "--json")
+    assert run(["sensitivity", uncertain_file, *SDOF, *arguments]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert 0.0 < content["missing_share"] < 1.0
+    assert all(("first_missing" in row) == indexed for row in content["indices"])

@@ -61,7 +61,9 @@ def test_wrong_values_stand_in_their_cell_unless_all_are(impact):
     ):
         with pytest.raises(wb.InputError, match=message):
             wb.sweep(impact, over, ["single-dof"])
-    with pytest.raises(wb.InputError, match="different"):
+    with pytest.raises(wb.InputError, match="different values"):
+        wb.sweep(impact, {"striker.velocity": [10.0, "36 km/h"]}, ["single-dof"])
+    with pytest.raises(wb.InputError, match="different models"):
         wb.sweep(impact, {"striker.mass": [900.0]}, ["single-dof", "single-dof"])
 
 
@@ -102,3 +104,9 @@ def test_sweep_verb_writes_both_tables(column_file, tmp_path, capsys):
 def test_wrong_sweeps_are_one_line(column_file, capsys, over):
     assert run(["sweep", column_file, "--over", over, "--model", "single-dof"]) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_key_stands_once(column_file, capsys):
+    twice = ("--over", "striker.mass=900", "--over", "striker.mass=800")
+    assert run(["sweep", column_file, *twice, "--model", "single-dof"]) == 2
+    assert "each key once" in capsys.readouterr().err

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from workbench.uncertainty.inputs import UncertainScenario
     from workbench.uncertainty.sensitivity import Index
 
-MOST = 10_000_000
+MOST, MOST_ROWS = 10_000_000, 100_000  # samples; rows of a sensitivity: 0.7 GB
 _SHARES = (0.05, 0.5, 0.95)
 Jobs = int | None
 
@@ -95,9 +95,9 @@ def sensitivity(
     from workbench.registry import make_model
     from workbench.uncertainty.answers import sample_answers
     from workbench.uncertainty.inputs import sobol_scores
-    from workbench.uncertainty.sensitivity import FEWEST_ROWS, sobol_indices
+    from workbench.uncertainty.sensitivity import FEWEST_OF_A_KIND, FEWEST_ROWS, sobol_indices
 
-    Number(FEWEST_ROWS, MOST, integer=True).check("--samples", samples)
+    Number(FEWEST_ROWS, MOST_ROWS, integer=True).check("--samples", samples)
     uncertain = _uncertain(scenario, settings, seed)
     if not uncertain.independent:
         text = "makes indices of single inputs meaningless"
@@ -110,14 +110,16 @@ def sensitivity(
     with at_work(f"{model}, {samples * (d + 2)} samples, at work"):
         table = sample_answers(chosen, uncertain, np.vstack([A, B, *mixed]), count)
     if quantity not in table:
-        known = [name for name in table.columns if table[name].dtype == float]
-        text = f"is no scalar of these answers: {', '.join(known)}"
+        scalars = [name for name in table.columns if table[name].dtype == float]
+        text = f"is no scalar of these answers: {', '.join(scalars)}"
         raise InputError("--quantity", quantity, text)
     values = table[quantity].to_numpy(dtype=float).reshape(d + 2, samples)
     missing = np.isnan(values).astype(float)
     indices = sobol_indices(values[0], values[1], values[2:], seed)
     share = float(missing.mean())
-    fails = sobol_indices(missing[0], missing[1], missing[2:], seed) if 0 < share < 1 else None
+    scarce = min(missing[:2].sum(axis=1).min(), (1.0 - missing[:2]).sum(axis=1).min())
+    known = scarce >= FEWEST_OF_A_KIND  # else a resample may hold one kind alone
+    fails = sobol_indices(missing[0], missing[1], missing[2:], seed) if known else None
     rows = []
     for i, name in enumerate(uncertain.names):
         row: dict[str, Any] = {"input": name}

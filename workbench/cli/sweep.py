@@ -40,7 +40,10 @@ def sweep(
     target = None if out is None else writable("--out", out, "nc", "csv", inputs=[scenario])
     count = os.cpu_count() or 1 if jobs is None else jobs
     Number(1, 512, integer=True).check("--jobs", count)
-    values = dict(_values(text) for text in over or ())
+    pairs = [_values(text) for text in over or ()]
+    values = dict(pairs)
+    if len(values) < len(pairs):
+        raise InputError("--over", [key for key, _ in pairs], "must name each key once")
     given = load_scenario(scenario, settings or [])
     with at_work("the sweep at work"):
         answers = swept(given, values, model or (), count)

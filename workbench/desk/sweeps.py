@@ -78,6 +78,10 @@ def sweep(
     if len(set(names)) < len(names):
         raise InputError("models", names, "must be different models")
     tables = tomllib.loads(to_toml(given))
+    read = {key: _coordinate(tables, key, each) for key, each in values.items()}
+    for key, each in read.items():
+        if len(set(map(str, each))) < len(each):
+            raise InputError(key, each, "must be different values")
     combinations = itertools.product(*values.values())
     varied = [_with(tables, dict(zip(values, each, strict=True))) for each in combinations]
     errors = [each for each in varied if isinstance(each, InputError)]
@@ -87,7 +91,7 @@ def sweep(
     with Processes(jobs if len(parts) * len(chosen) > 1 else 1) as run:
         tasks = [(model, part) for model in chosen for part in parts]
         rows: pd.DataFrame = pd.concat(run(_answer, tasks), ignore_index=True)
-    return _dataset(rows, names, {k: _coordinate(tables, k, v) for k, v in values.items()})
+    return _dataset(rows, names, read)
 
 
 def _answer(task: tuple[Model, list[Scenario | InputError]]) -> pd.DataFrame:

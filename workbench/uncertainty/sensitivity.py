@@ -20,6 +20,7 @@ from workbench.errors import InputError
 LEVEL = 0.90
 REPETITIONS = 200
 FEWEST_ROWS = 64
+FEWEST_OF_A_KIND = 16  # answers, and missing ones, in A and in B, for indices of the indicator
 
 
 class Index(NamedTuple):
