@@ -88,6 +88,8 @@ models: Mapping[str, Any] = {
     "energy": EnergyEstimate(hit_mass="waves"),
     "flexible superelements": FlexibleSuperelement(shear="none"),
     "rigid superelements": RigidSuperelement(shear="none"),
+    "flexible superelements, bars": FlexibleSuperelement(rate_level="bars"),
+    "rigid superelements, bars": RigidSuperelement(rate_level="bars"),
     "4-DOF, static": ByRule("static"),
     "4-DOF, 1.1 fy": ByRule("1.1"),
     "4-DOF, 1.2 fy": ByRule("1.2"),

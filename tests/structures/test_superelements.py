@@ -1,5 +1,6 @@
 """The superelement: tangents, energy identity, invariance, closed forms, condensation."""
 
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -24,6 +25,9 @@ from superelement_cases import (
 
 from workbench.hinges import YieldSurface
 from workbench.hinges.panel_kernels import WEB
+from workbench.hinges.viscoplastic import bar_law
+from workbench.materials import MILD_STEEL, Steel
+from workbench.sections import find
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.paths import apply_loads
 from workbench.structures.superelements import (
@@ -413,3 +417,28 @@ def test_moments_have_the_sign_of_the_member():
         assert group.local_forces[0, 1:] == pytest.approx([-moment, moment])
     assert group.utilisation() == pytest.approx(np.ones((1, 2)))
     assert group.plastic[0, 1] > 0.0 > group.plastic[0, 3]
+
+
+@pytest.mark.parametrize("weight", [None, 0.5])
+@pytest.mark.parametrize("law", [None, MILD_STEEL])
+def test_tangent_of_bars_that_flow_by_differences(law, weight):
+    """The map of their forces, N, M_1, M_2 of a bar, to those of an element and back."""
+    steel, section = Steel(rate=law, hardening_modulus=2.1e9), find("HEB 220").without_fillets()
+    strength = steel.yield_stress * section.area, section.plastic_moment(steel)
+    kinds = [replace(bar(length), law=bar_law(section, steel, *strength)) for length in (0.8, 1.3)]
+    rng, errors, flown = np.random.default_rng(7), [], 0.0
+    for _ in range(6):
+        group = Superelements(np.array([[0, 1], [1, 2]]), kinds)
+        assembly = PlanarAssembly(np.array([[0.0, 0.0], [0.8, 0.0], [2.1, 0.0]]), [group])
+        x = random_state(assembly, rng, 30.0)
+        assembly.begin_step(2e-4)
+        assembly.assemble(x, weight)
+        exact = full_tangent(assembly)
+        for j, step in enumerate(1e-8 * np.eye(assembly.size)):
+            after, before = assembly.assemble(x + step, weight), assembly.assemble(x - step, weight)
+            difference = (after - before) / 2e-8
+            errors.append(np.abs(difference - exact[:, j]).max() / np.abs(exact).max())
+        flown = max(flown, float(np.max(group._new.plastic[:, 5:])))
+    assert flown > 1e-3
+    assert max(errors) < 1e-5
+    assert np.median(errors) < 1e-7

@@ -1,20 +1,27 @@
-"""Strain rate by one factor on the yield stress: level A, for every model that knows no rate.
+"""Strain rate of the steel as models have it: one factor (level A), or bars that flow (level B).
 
-The factor is that of the hinges, or of the sliding webs, of the struck member while striker and hit
-mass move at the velocity that they share after the hit, averaged by work over the bars and over the
-way in which the striker is slowed down. All strengths grow alike; stiffness, mass and axial load
-stay. See docs/theory/strain-rate.md.
+Level A is for every model that knows no rate. The factor is that of the hinges, or of the sliding
+webs, of the struck member while striker and hit mass move at the velocity that they share after the
+hit, averaged by work over the bars and over the way in which the striker is slowed down. All
+strengths grow alike; stiffness, mass and axial load
+stay. Level B (option `rate_level`): bars that flow point by point (`hinges.viscoplastic`) stand in
+place of hinges on a yield surface. See docs/theory/strain-rate.md.
 """
 
 from dataclasses import replace
 from typing import Any
 
 from workbench.frames.column_estimate import column_like
+from workbench.frames.superelements import joint_surface
+from workbench.hinges import YieldSurface, has_shear_surface
 from workbench.hinges.rate import hinge_overstress, overstress_shape, panel_overstress
+from workbench.hinges.viscoplastic import bar_law
 from workbench.materials import CowperSymonds, Steel
 from workbench.models.domain import mechanism_demand
 from workbench.responses import Finding, finding
-from workbench.scenarios import ColumnImpact, FrameImpact
+from workbench.scenarios import ColumnImpact, Frame, FrameImpact
+
+FACTOR, BARS = RATE_LEVELS = ("factor", "bars")
 
 
 def with_strain_rate(model: Any, scenario: Any) -> tuple[Any, float, list[Finding]]:
@@ -106,3 +113,47 @@ def _struck(scenario: Any) -> ColumnImpact | None:
     if isinstance(scenario, ColumnImpact):
         return scenario
     return column_like(scenario) if isinstance(scenario, FrameImpact) else None
+
+
+def flows(model: Any, steel: Steel) -> bool:
+    """Whether the bars of a model flow point by point: of a steel with a rate, or that hardens."""
+    return model.rate_level == BARS and bool(steel.rate or steel.hardening_modulus)
+
+
+def material_of(model: Any) -> tuple[str, ...]:
+    """What a model knows of a steel by itself, without a factor on the yield stress."""
+    return ("rate", "hardening") if model.rate_level == BARS else ()
+
+
+def check_bars(model: Any) -> None:
+    """Refuse options that bars do not know. Raises `InputError`."""
+    if model.rate_level != BARS:
+        return
+    for name, known in (("alpha", None), ("beta", None), ("integrator", "midpoint")):
+        if getattr(model, name) != known:
+            advice = f"leave {name} out, or take rate_level = {FACTOR}"
+            raise model.refusal(name, f"is not known with rate_level = {BARS}", advice)
+
+
+def laws_of(model: Any, frame: Frame) -> dict[str, Any]:
+    """The records by which the bars of each member flow, by its name; none where they do not."""
+    if not flows(model, frame.steel):
+        return {}
+    return {
+        m.name: bar_law(frame.strength_section(m), frame.steel, p.squash_load, p.plastic_moment)
+        for m in frame.members
+        for p in [frame.properties(m)]
+    }
+
+
+def about_bars(frame: Frame) -> list[Finding]:
+    """Refusals of members that cannot flow as bars: their section, joints that are weaker."""
+    for member in frame.members:
+        section, p = frame.strength_section(member), frame.properties(member)
+        if not has_shear_surface(section):
+            return [finding("no-plane-webs", name=section.name)]
+        surface = YieldSurface(p.squash_load, p.plastic_moment)
+        for joint in map(frame.joint, (member.joint_start, member.joint_end)):
+            if joint.rotational_stiffness != 0.0 and joint_surface(surface, joint) != surface:
+                return [finding("joint-of-bars", name=joint.name, member=member.name)]
+    return []

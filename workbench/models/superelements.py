@@ -19,6 +19,7 @@ from math import ceil, inf
 from typing import ClassVar
 
 from workbench.fields import Choice, Number, checked
+from workbench.frames import out_of_domain
 from workbench.frames.elastic import wave_times
 from workbench.frames.members import shear_findings
 from workbench.frames.record import StruckRecord
@@ -39,6 +40,16 @@ from workbench.materials import Steel
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
 from workbench.models.domain import DIRECT_SHEAR, panel_findings
 from workbench.models.frame_model import COLUMNS, Clock, as_column, as_frame, one_thread
+from workbench.models.strain_rate import (
+    FACTOR,
+    RATE_LEVELS,
+    about_bars,
+    check_bars,
+    flows,
+    laws_of,
+    material_of,
+    with_rate,
+)
 from workbench.responses import Finding, Response, finding
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FrameScenario, Member
 from workbench.sections import Section
@@ -63,7 +74,8 @@ COMMON = (
     "Webs of I, box and tube sections deform and yield in shear (option shear), with the "
     "N-M-V domain of the plates at both ends, root fillets in the flanges; beside joints weaker "
     "than the member, and in other sections, members are rigid in shear.",
-    "No local buckling; strain rate by one factor.",
+    "No local buckling; strain rate by one factor, or, with rate_level = bars, rate and hardening "
+    "at every point of the bars, whose webs are then elastic.",
 )
 
 
@@ -74,9 +86,9 @@ class _HingedBars(BarFrames):
     Shared options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
     fitted to the exact N-M envelope of the section and stated to one decimal); `shear`, panel: webs
     yield, none: members are rigid in shear; `accuracy` that steps by error aim at, as a
-    share of the peak; `time_step` None: of the midpoint scheme by the error, of frames that peak
-    after several rebounds up to 0.6 % off the peak, of columns whose light striker is thrown off
-    mostly 1 %, a few 7 %.
+    share of the peak; `rate_level` as of `four-dof`; `time_step` None: of the midpoint scheme by
+    the error, of frames that peak after several rebounds up to 0.6 % off the peak, of columns whose
+    light striker is thrown off mostly 1 %, a few 7 %.
     """
 
     alpha: float | None = checked(Number(1.0, 20.0), optional=True)
@@ -85,8 +97,19 @@ class _HingedBars(BarFrames):
     accuracy: float = checked(
         Number(1e-5, 0.1, advice="a share of the peak, 1e-3 by default"), ACCURACY
     )
+    rate_level: str = checked(Choice(RATE_LEVELS), FACTOR)
 
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
+
+    @property
+    def material(self) -> tuple[str, ...]:
+        """What it knows of a steel by itself, without a factor on the yield stress."""
+        return material_of(self)
+
+    def check(self) -> None:
+        """Refuse options that viscoplastic bars do not know."""
+        super().check()
+        check_bars(self)
 
     def member_surface(self, frame: Frame, member: Member) -> YieldSurface | ShearSurface:
         """The yield surface of the hinges of a member, joints of its full strength."""
@@ -107,6 +130,8 @@ class _HingedBars(BarFrames):
     def _standing(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
         """The same, kept for many runs."""
         event = as_frame(scenario)
+        if event.STATIC:
+            event = with_rate(event, None)
         parts = tuple(self.parts(event))
         return _standing(self, event.frame, parts, isinstance(scenario, COLUMNS))
 
@@ -120,20 +145,22 @@ class _HingedBars(BarFrames):
         """A frame with so many elements of every member, under its dead loads."""
         coordinates, nodes, pieces = cut_members(frame, parts)
         surfaces = {m.name: self._ellipse(frame, m) for m in frame.members}
-        elements = []
+        elements, laws = [], laws_of(self, frame)
         for piece in pieces:
             first, last = (joint_surface(surfaces[piece.member.name], j) for j in piece.joints)
             bars = self._piece(piece, (first, last))
             web = self._web(frame, piece.member)
-            weak = web is None or not first == last == surfaces[piece.member.name]
-            elements.append(bars if weak else replace(bars, web=web))
+            weak = web is None or not (laws or first == last == surfaces[piece.member.name])
+            law = laws.get(piece.member.name)
+            elements.append(replace(bars, web=None if weak else web, law=law))
         group = Superelements(
-            nodes,
-            elements,
-            regularisation=self.regularisation,
-            first_order=self.first_order,
+            nodes, elements, regularisation=self.regularisation, first_order=self.first_order
         )
-        return self.stand(frame, (coordinates, nodes, pieces), group, parts)
+        structure = self.stand(frame, (coordinates, nodes, pieces), group, parts)
+        share = group.envelope_share()
+        if frame.steel.rate is not None and share >= 1.0:
+            raise out_of_domain("bars-at-rest", share=share)
+        return structure
 
     @property
     def shear_yields(self) -> bool:
@@ -157,6 +184,8 @@ class _HingedBars(BarFrames):
 
     def about_webs(self, frame: Frame) -> tuple[set[str], list[Finding]]:
         """Names of the members that are rigid in shear; findings of the webs of the others."""
+        if flows(self, frame.steel):
+            return {m.name for m in frame.members}, about_bars(frame)
         webs = {m.name: self._web(frame, m) for m in frame.members}
         findings: list[Finding] = []
         if any(webs.values()) and not (self.alpha is None and self.beta is None):
@@ -262,7 +291,8 @@ class RigidSuperelement(_HingedBars):
     )
 
     def check(self) -> None:
-        """Refuse a scheme that has no place for the inertia."""
+        """Refuse a scheme that has no place for the inertia, and as all."""
+        super().check()
         if self.integrator == MOREAU and self.inertia == "nonlinear":
             text = "has no place for rotary inertia that turns with the bars"
             advice = "take inertia = linear or none, or another integrator"

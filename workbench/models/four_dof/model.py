@@ -17,11 +17,11 @@ from workbench.models.elastic_springs import Springs, beam_springs
 from workbench.models.four_dof import kinematics, statics
 from workbench.models.four_dof.rigid_bars import RigidBars
 from workbench.models.hit_mass import HIT_MASS, WAVES
+from workbench.models.strain_rate import FACTOR, RATE_LEVELS, check_bars, flows, material_of
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnScenario
 from workbench.sections import Section
 
-FACTOR, BARS = RATE_LEVELS = ("factor", "bars")
 _SHEARED = 0.15  # mean sliding over length from which a solid's flanges carry tension
 _KINEMATICS = {"chord": kinematics.CHORD, "section": kinematics.SECTION}
 
@@ -66,29 +66,19 @@ class FourDof(RigidBars):
     @property
     def material(self) -> tuple[str, ...]:
         """What it knows of a steel by itself, without a factor on the yield stress."""
-        return ("rate", "hardening") if self.rate_level == BARS else ()
-
-    def _flows(self, column: Column) -> bool:
-        """Whether its bars flow point by point."""
-        steel = column.steel
-        return self.rate_level == BARS and bool(steel.rate or steel.hardening_modulus)
+        return material_of(self)
 
     def _tables(self, column: Column) -> statics.Tables:
-        return statics.VISCOPLASTIC if self._flows(column) else statics.HINGES
+        return statics.VISCOPLASTIC if flows(self, column.steel) else statics.HINGES
 
     def check(self) -> None:
         """Refuse options that viscoplastic bars do not know."""
         super().check()
-        if self.rate_level != BARS:
-            return
-        for name, known in (("alpha", None), ("beta", None), ("integrator", "midpoint")):
-            if getattr(self, name) != known:
-                advice = f"leave {name} out, or take rate_level = {FACTOR}"
-                raise self.refusal(name, f"is not known with rate_level = {BARS}", advice)
+        check_bars(self)
 
     def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:
         section = scenario.column.section
-        if self._flows(scenario.column) and not has_shear_surface(section):
+        if flows(self, scenario.column.steel) and not has_shear_surface(section):
             return [finding("no-plane-webs", name=section.name)]
         return shear_findings(scenario)
 
@@ -101,7 +91,7 @@ class FourDof(RigidBars):
         bars["squash_loads"], bars["plastic_moments"] = surface.axial_bounds, surface.moment_bounds
         bars["alpha"], bars["beta"] = surface.alpha, surface.beta
         bars["small_rotations"] = self.small_rotations
-        if self._flows(column):
+        if flows(self, column.steel):
             N, M = surface.squash_load, surface.plastic_moment
             bars["law"] = bar_law(column.strength_section, column.steel, N, M)
 

@@ -1,7 +1,7 @@
 """Superelements: two hinges, the bar between them and its mass; all of a structure in one group."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import inf
 from typing import Any, NamedTuple
 
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from workbench.arrays import Array, Flags
 from workbench.hinges import ShearSurface, YieldSurface
 from workbench.hinges.panel_kernels import WEB
+from workbench.hinges.viscoplastic_kernels import LAW, MOST, gauge
 from workbench.structures.elements import Bars, HingedElements
 from workbench.structures.superelements import kernels
 
@@ -46,7 +47,9 @@ class Superelement:
     kg/m; `rotary_inertia` per length, rho I, in kg m, which acts on the rotation of the chord;
     `rotation_inertia`: that of the deformed chord (nonlinear), of the initial chord (linear),
     none; `web` that yields in shear, whose surface is then that of both hinges (None: rigid in
-    shear). One hinge of a rigid bar has a finite axial stiffness, both a finite rotational one.
+    shear); `law` by which the bar flows point by point, a record of LAW, in place of its hinges'
+    surfaces (its web is then elastic). One hinge of a rigid bar has a finite axial stiffness, both
+    a finite rotational one.
     """
 
     start: HingeEnd
@@ -58,6 +61,7 @@ class Superelement:
     rotary_inertia: float = 0.0
     rotation_inertia: str = "none"
     web: ShearSurface | None = None
+    law: Any = field(default=None, compare=False)
 
     def flexibility(self, length: float) -> Array:
         """Elastic flexibility f_N, f_11, f_14, f_44 (4,) of hinges and bar, `length` in m.
@@ -116,7 +120,8 @@ class SuperelementState(NamedTuple):
     """State of all elements.
 
     `plastic` (e, 5): u, theta of hinge 1, then of hinge 4, and the plastic shear displacement of
-    the web, in m, whose angle is in both theta; `carried` (e, 3): N, M_1, M_4 of hinges and bar;
+    the web, in m, whose angle is in both theta, then lambda at the points of bars that flow;
+    `carried` (e, 3): N, M_1, M_4 of hinges and bar;
     `local` (e, 3), the same with the regularising stiffness; `deformation` (e, 3): elongation and
     end rotations against the chord; `rate` (e,): angular velocity of the chord.
     """
@@ -135,7 +140,8 @@ class HingeTables(NamedTuple):
     and its inverse `stiffness` (e, 4), zero for pins; `webs` (e,), records of WEB, all zero where
     rigid in shear, and the `lengths` (e,) of these panels; `bounds` (e, 2, 4), `exponents`
     (e, 2, 2) and whether `pinned` (e, 2) of both hinges; inertia `rotary` (e,) of the turning chord
-    in kg m2; share `eta` of elastic stiffness beside them; `scratch` of the kernels.
+    in kg m2; share `eta` of elastic stiffness beside them; `scratch` of the kernels; `laws` (e,) of
+    bars that flow point by point, or None: kernels are compiled for either.
     """
 
     bending: Array
@@ -149,11 +155,12 @@ class HingeTables(NamedTuple):
     rotary: Array
     eta: float
     scratch: tuple[Array, ...]
+    laws: Any = None
 
 
-def scratch(elements: int) -> tuple[Array, ...]:
+def scratch(elements: int, flows: int = 5) -> tuple[Array, ...]:
     """What the kernels need room for: of all elements tangents and chords, else of one."""
-    shapes = (elements, 3, 3), (7, 4), (3,), (3,), (5,), (elements, 5)
+    shapes = (elements, 3, 3), (7, 4), (3,), (3,), (flows,), (elements, 5)
     return tuple(np.empty(shape) for shape in shapes)
 
 
@@ -177,7 +184,9 @@ class Superelements(HingedElements):
         regularisation: float = REGULARISATION,
         first_order: bool = False,
     ) -> None:
-        widths = ((5,), (3,), (3,), (3,), ())
+        self._flows = any(kind.law is not None for kind in kinds)
+        self._columns = 5 + MOST if self._flows else 5
+        widths = ((self._columns,), (3,), (3,), (3,), ())
         state = SuperelementState(*(np.zeros((len(kinds), *width)) for width in widths))
         mass = np.array([kind.mass_per_length for kind in kinds])
         bends = [1.0 / kind.bending_stiffness if kind.flexible else 0.0 for kind in kinds]
@@ -193,10 +202,11 @@ class Superelements(HingedElements):
         flexibility = bending + np.multiply.outer(in_shear, [0.0, 1.0, 1.0, 1.0])
         webs = np.zeros(len(pairs), WEB)
         for e, kind in enumerate(self._kinds):
-            if kind.web is not None:
+            if kind.web is not None and not self._flows:
                 webs[e] = kind.web.record
         pinned = np.array([[kind.start.pinned, kind.end.pinned] for kind in self._kinds])
         ends = [(kind.start.surface, kind.end.surface) for kind in self._kinds]
+        laws = np.array([kind.law for kind in self._kinds], LAW) if self._flows else None
         self._tables = HingeTables(
             bending,
             flexibility,
@@ -208,7 +218,8 @@ class Superelements(HingedElements):
             pinned,
             self._rotary_inertias("nonlinear"),
             self.regularisation,
-            scratch(len(pairs)),
+            scratch(len(pairs), self._columns),
+            laws,
         )
 
     def _rotary_inertias(self, kind: str) -> Array:
@@ -278,6 +289,14 @@ class Superelements(HingedElements):
     def yields_in_shear(self) -> Flags:
         """Whether webs yield in shear (elements,)."""
         return np.asarray(self._tables.webs["stiffness"] > 0.0)
+
+    def envelope_share(self) -> float:
+        """Largest gauge of the committed forces at the ends of bars that flow, else 0."""
+        if self._tables.laws is None:
+            return 0.0
+        ends = zip(self._tables.laws, self._old.carried, strict=True)
+        forces = ((law, carried / law["strength"]) for law, carried in ends)
+        return max(float(gauge(law, f[0], m)[0]) for law, f in forces for m in f[1:])
 
     def utilisation(self) -> Array:
         """Left side of the yield condition at both hinges (elements, 2): 1 on the surface."""

@@ -9,10 +9,14 @@ principle for the rotary inertia after Simo and Tarnow 1992.
 
 import math
 
+from numba.core.types import NoneType
+from numba.extending import overload
+
 from workbench.compiled import njit
 from workbench.hinges.pair_kernels import Pair, project_pair
 from workbench.hinges.panel_elements import project_condensed
 from workbench.hinges.panel_kernels import Panel, utilisation
+from workbench.hinges.viscoplastic_kernels import flow_of_bar
 from workbench.structures.corotation_kernels import Chord, add_moved_element, chord_at, chord_before
 
 
@@ -34,7 +38,7 @@ def elastic_trial(e, deformation, plastic, trial):
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def project(e, hinges, trial, forces, k, flow):
+def _on_surfaces(e, hinges, trial, forces, k, flow):
     """Forces of element `e` nearest to the elastic ones of `trial`, their tangent, and the flow.
 
     Begins with the `forces` (3,); all tables are read as numbers, as views cost more than the rest.
@@ -57,14 +61,81 @@ def project(e, hinges, trial, forces, k, flow):
 
 
 @njit(cache=True, error_model="numpy")
-def obey(weight, hinges, old, new, tangents):
+def _at_rate(e, time, hinges, plastic, trial, forces, k, flow):
+    """As `_on_surfaces`, of a bar that flows point by point for a `time` (s).
+
+    Its moment M_1 is the internal one with its sign turned. Hinges share the elongation.
+    """
+    f, pins = hinges.flexibility, hinges.pinned
+    f_n, f11, f14, f44 = f[e, 0], f[e, 1], f[e, 2], f[e, 3]
+    forces[1] = -forces[1]
+    _, (nn, n1, n4, k11, k14, k44) = flow_of_bar(
+        hinges.laws[e],
+        hinges.lengths[e],
+        (f_n, f11, -f14, f44),
+        (pins[e, 0], pins[e, 1]),
+        (trial[0], -trial[1], trial[2]),
+        time,
+        plastic[e, 5:],
+        forces,
+        flow[5:],
+    )
+    forces[1] = -forces[1]
+    k[0, 0], k[1, 1], k[2, 2] = nn, k11, k44
+    k[0, 1], k[0, 2], k[1, 2] = -n1, n4, -k14
+    k[1, 0], k[2, 0], k[2, 1] = -n1, n4, -k14
+    flow[0] = flow[2] = 0.5 * (trial[0] - f_n * forces[0])
+    flow[1] = trial[1] - f11 * forces[1] - f14 * forces[2]
+    flow[3] = trial[2] - f14 * forces[1] - f44 * forces[2]
+
+
+def _flows(hinges):
+    """Whether tables of this type have bars that flow point by point."""
+    return not isinstance(hinges.types[hinges.fields.index("laws")], NoneType)
+
+
+def project(e, time, hinges, plastic, trial, forces, k, flow):
+    """Forces of element `e`, as the type of the tables says when kernels are compiled.
+
+    After a `time` (s) since the `plastic` deformations; else as `_on_surfaces`.
+    """
+    raise NotImplementedError
+
+
+@overload(project, jit_options={"error_model": "numpy", "forceinline": True})
+def _by_type(e, time, hinges, plastic, trial, forces, k, flow):
+    if _flows(hinges):
+        return lambda e, time, hinges, plastic, trial, forces, k, flow: _at_rate(
+            e, time, hinges, plastic, trial, forces, k, flow
+        )
+    return lambda e, time, hinges, plastic, trial, forces, k, flow: _on_surfaces(
+        e, hinges, trial, forces, k, flow
+    )
+
+
+def returned(hinges, weight):
+    """Part of a step at which plastic flow is found: the middle, of a rate the end."""
+    raise NotImplementedError
+
+
+@overload(returned, jit_options={"error_model": "numpy", "forceinline": True})
+def _returned(hinges, weight):
+    if _flows(hinges):
+        return lambda hinges, weight: 1.0
+    return lambda hinges, weight: weight
+
+
+@njit(cache=True, error_model="numpy")
+def obey(weight, hinges, old, new, tangents, time=0.0):
     """Local forces of all elements for their deformations in the `new` state, and `tangents`.
 
     Hinges return to the yield surface at the `weight` of the way from the `old` state, see
-    `settle`. Writes the new plastic deformations, the forces carried by the hinges, local forces
-    and their tangents (e, 3, 3). Arrays are taken out of their tables once: each time costs as
+    `settle`; bars that flow at a rate have done so for a `time` (s) at its end. Writes the new
+    plastic deformations, the forces carried by the hinges, local forces and their tangents
+    (e, 3, 3). Arrays are taken out of their tables once: each time costs as
     much as a division.
     """
+    weight = returned(hinges, weight)
     eta, before = hinges.eta, 1.0 - weight
     rest, ratio = 1.0 - eta, before / weight
     _, _, trial, forces, flow, _ = hinges.scratch
@@ -78,11 +149,13 @@ def obey(weight, hinges, old, new, tangents):
         for i in range(3):
             trial[i] += before * (x0[e, i] - x[e, i])
             forces[i] = carried[e, i] + before * (carried0[e, i] - carried[e, i])
-        project(e, hinges, trial, forces, k, flow)
+        project(e, time, hinges, plastic0, trial, forces, k, flow)
         for i in range(4):
             plastic[e, i] = plastic0[e, i] + flow[i] / weight
         if hinges.webs[e].stiffness > 0.0:  # by itself: four numbers at a time are faster
             plastic[e, 4] = plastic0[e, 4] + flow[4] / weight
+        for i in range(5, plastic.shape[1]):
+            plastic[e, i] = plastic0[e, i] + flow[i]
         for i in range(3):
             carried[e, i] = forces[i] + ratio * (forces[i] - carried0[e, i])
             for j in range(3):
@@ -105,9 +178,10 @@ def settle(weight, hinges, old, new):
     Forces that are at yield at the `weight` of a step end beyond the surface: by the curvature of
     their path, or where the flow begins. What it takes to bring them back with nothing moving is
     plastic work, and tells how well the step has followed the hinges. Result: as of `account`, and
-    that work. Elements are settled in the `new` state.
+    that work; of bars that flow at a rate, which end where they may be, what their forces at the
+    end would do more than those in the mean. Elements are settled in the `new` state.
     """
-    stored = plastic = algorithmic = excess = 0.0
+    stored = plastic = algorithmic = excess = late = 0.0
     eta, rest = hinges.eta, 1.0 - hinges.eta
     tangents, _, trial, forces, flow, _ = hinges.scratch
     k = tangents[0]
@@ -124,12 +198,13 @@ def settle(weight, hinges, old, new):
         for i in range(3):
             forces[i] = carried[i]
         elastic_trial(e, new.deformation, new.plastic, trial)
-        project(e, hinges, trial, forces, k, flow)
+        project(e, 0.0, hinges, new.plastic, trial, forces, k, flow)
         mean = 0.0
         for h in range(4):
             i = 0 if h % 2 == 0 else 1 + h // 2
             flown = rest * (gone[h] - old.plastic[e, h])
             mean += (weight * carried[i] + (1.0 - weight) * old.carried[e, i]) * flown
+            late += 0.5 * abs((carried[i] - old.carried[e, i]) * flown)
             excess += 0.5 * rest * (carried[i] + forces[i]) * flow[h]
             gone[h] += flow[h]
         if hinges.webs[e].stiffness > 0.0:
@@ -139,8 +214,9 @@ def settle(weight, hinges, old, new):
             carried[i] = forces[i]
         stored += 0.5 * rest * _quadratic(flexibility, carried)
         plastic += mean
+    spent = late if new.plastic.shape[1] > 5 else excess
     # the forces that a flow goes with are at yield and do most work: all of it is ideal
-    return stored, plastic + excess, algorithmic, plastic + excess, excess
+    return stored, plastic + excess, algorithmic, plastic + excess, spent
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -160,7 +236,7 @@ def assemble(step, bars, hinges, old, new):
         deformation[e, 2] = end[dofs[e, 5]] - chord.rotation
         chords[e, 0], chords[e, 1], chords[e, 2] = chord.x, chord.y, chord.length
         chords[e, 3], chords[e, 4] = chord.rotation, chord.elongation
-    obey(weight, hinges, old, new, tangents)
+    obey(weight, hinges, old, new, tangents, step.duration if moving else 0.0)
     for e in range(dofs.shape[0]):
         chord = Chord(chords[e, 0], chords[e, 1], chords[e, 2], chords[e, 3], chords[e, 4])
         before = chord
