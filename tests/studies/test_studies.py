@@ -65,7 +65,7 @@ def indented(text: str, begin: str, end: str) -> str:
 def test_the_study_of_the_guide_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     readme = (STUDIES.parent / "README.md").read_text(encoding="utf-8")
     guide = (STUDIES.parent / "docs" / "user-guide.md").read_text(encoding="utf-8")
-    scenario = indented(readme, '    kind = "column-impact"', "The same in Python:")
+    scenario = indented(readme, '    kind = "column-impact"', "Blasts, frames,")
     (tmp_path / "scenario.toml").write_text(scenario, encoding="utf-8")
     text = indented(guide, "    from workbench.assessment import Gate", "Kinds of figures:")
     (tmp_path / "mine.py").write_text(text, encoding="utf-8")
