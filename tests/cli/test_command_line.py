@@ -110,7 +110,7 @@ def test_no_verb_shows_the_help_and_version(capsys: pytest.CaptureFixture[str]) 
         (["run", "x", "--jobs", "two"], "Invalid value for '--jobs'"),
         (["models", "four-dfo"], "did you mean four-dof?"),
         (["status", "no_such_study"], "study = 'no_such_study': is not known"),
-        (["report", "no_such_study", "--format", "docx"], "--format = 'docx': must be html, pdf"),
+        (["report", "no_such_study", "--format", "docx"], "--format = 'docx': must be among html"),
         (["data", "show", "nothing"], "dataset = 'nothing': must be one of"),
         (["simulate", "none.toml", "--model", "four-dof"], "cannot be read: No such file"),
     ],

@@ -86,7 +86,7 @@ def test_velocity_decides_the_peak(uncertain_file, capsys):
     ("arguments", "message"),
     [
         (("sample", "--samples", "0", "--out", "a.csv"), "--samples"),
-        (("sample", "--out", "a.xlsx"), "--out"),
+        (("sample", "--out", "a.docx"), "--out"),
         (("sample", "--out", "a.csv", "--seed", "-1"), "--seed"),
         (("sample", "--out", "a.csv", "--first", "-1"), "--first"),
         (("sensitivity", "--samples", "5"), "--samples"),

@@ -99,7 +99,7 @@ def fragility(
     if target is not None:
         write_atomically(target, json.dumps(content, indent=1, allow_nan=False).encode())
     if picture is not None:
-        from workbench.report.drawing.fragility import draw_fragility
+        from workbench.report.drawing.charts import draw_fragility
 
         draw_fragility(result, picture)
     shown = list(_blocks(result))

@@ -111,6 +111,11 @@ def writable(flag: str, name: str, *endings: str, inputs: Iterable[str | None] =
         raise InputError(flag, name, f"there is no directory {path.parent}", "make it first")
     if not os.access(path.parent, os.W_OK):
         raise InputError(flag, name, f"the directory {path.parent} cannot be written")
-    if path.suffix.lower()[1:] not in endings:
+    ending = path.suffix.lower()[1:]
+    if ending not in endings:
         raise InputError(flag, name, f"must end in {' or '.join(endings)}")
+    if ending in ("parquet", "xlsx"):  # before the work, not after it
+        from workbench.study.tables import check_library
+
+        check_library(ending, flag)
     return path

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from workbench.uncertainty.sensitivity import Index
 
 MOST, MOST_ROWS = 10_000_000, 100_000  # samples; rows of a sensitivity: 0.7 GB
+ENDINGS = ("csv", "nc", "parquet", "xlsx")
 _SHARES = (0.05, 0.5, 0.95)
 Jobs = int | None
 
@@ -27,7 +28,7 @@ Jobs = int | None
 def sample(
     scenario: ScenarioFile,
     model: str = option("Name of a model, see `workbench models`.", ..., "NAME"),
-    out: str = option("Write the table.", ..., "ANSWERS.csv|nc"),
+    out: str = option("Write the table.", ..., "ANSWERS.csv|nc|parquet|xlsx"),
     samples: int = option("Samples of the inputs.", 1024),
     seed: int = option("Seed of the Sobol sequence.", 1),
     first: int = option("First sample of the sequence.", 0),
@@ -45,7 +46,7 @@ def sample(
     from workbench.registry import make_model
     from workbench.uncertainty.answers import FAILURE, OUTCOME, sample_answers
 
-    target = writable("--out", out, "csv", "nc", inputs=[scenario])
+    target = writable("--out", out, *ENDINGS, inputs=[scenario])
     Number(1, MOST, integer=True).check("--samples", samples)
     Number(0, MOST, integer=True).check("--first", first)
     uncertain = _uncertain(scenario, settings, seed)
@@ -161,11 +162,13 @@ def _jobs(jobs: Jobs) -> int:
 
 def _write(target: Path, table: pd.DataFrame) -> None:
     from workbench.study.store import to_netcdf_bytes, write_atomically
+    from workbench.study.tables import table_bytes
 
-    if target.suffix.lower() == ".csv":
-        write_atomically(target, table.to_csv(index=False, lineterminator="\n").encode())
-    else:
+    ending = target.suffix.lower()[1:]
+    if ending == "nc":
         write_atomically(target, to_netcdf_bytes(table.rename_axis("sample").to_xarray()))
+    else:
+        write_atomically(target, table_bytes(table, ending))
 
 
 def _quantiles(values: pd.Series) -> dict[str, float | None]:

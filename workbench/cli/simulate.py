@@ -45,7 +45,11 @@ def simulate(
     options: Options = None,
     full: bool = option("Show all numbers.", False, flag="--full"),
     plot: str | None = option("Draw the answer.", None, "OUT.png|svg|pdf"),
-    out: str | None = option("Write the whole response as netCDF.", None, "RUN.nc"),
+    out: str | None = option(
+        "Write the whole response as netCDF, or its deformed shapes for ParaView.",
+        None,
+        "RUN.nc|pvd",
+    ),
     budget: bool = option(
         "Add what the errors of the answer may be, by source.", False, flag="--budget"
     ),
@@ -66,7 +70,7 @@ def simulate(
 
     if model and len(model) > 1 and (out or budget):
         raise InputError("--model", ", ".join(model), "must be one for --out and --budget")
-    target = None if out is None else writable("--out", out, "nc", inputs=[scenario])
+    target = None if out is None else writable("--out", out, "nc", "pvd", inputs=[scenario])
     picture = None if plot is None else writable("--plot", plot, *PICTURES, inputs=[scenario])
     if spread and not budget:
         raise InputError("--spread", spread[0], "is for --budget")
@@ -86,9 +90,7 @@ def simulate(
         with at_work(f"{reference}, a reference, at work"):
             answers[reference] = simulate(given, reference)
     if target is not None:
-        from workbench.study.store import to_netcdf_bytes, write_atomically
-
-        write_atomically(target, to_netcdf_bytes(first))
+        _write(target, given, first)
     named = {each.attrs["model"]: each for each in answers.values()}
     compared = Comparison(given, named, reference if reference in named else "")
     if picture is not None:
@@ -110,6 +112,17 @@ def simulate(
     written = {"response": target, "picture": picture}
     shown += [Paragraph(f"The {what} is in {file}.") for what, file in written.items() if file]
     return Answer(content, shown, int(not outcome_of(first).is_answer))
+
+
+def _write(target: Path, scenario: Scenario, response: Response) -> None:
+    """Write a response as netCDF, or its deformed shapes."""
+    from workbench.report.vtk import write_shapes
+    from workbench.study.store import to_netcdf_bytes, write_atomically
+
+    if target.suffix.lower() == ".pvd":
+        write_shapes(target, scenario, response)
+    else:
+        write_atomically(target, to_netcdf_bytes(response))
 
 
 def _side_by_side(compared: Comparison) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.output import Answer, InterruptedByUserError, Json, option, verb
+from workbench.cli.output import Answer, InterruptedByUserError, Json, option, verb, writable
 from workbench.content.tree import Block, Bullets, Definitions, Paragraph
 from workbench.errors import InputError
 
@@ -147,10 +147,13 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
 def report(
     study: StudyName,
     quick: Quick = False,
-    formats: str = option("What to write.", "html,pdf", "html,pdf", "--format"),
+    formats: str = option("What to write.", "html,pdf", "html,pdf,xlsx,parquet", "--format"),
     out: str | None = option("Where to write.  [default: the store]", None, "DIR"),
     summary: str | None = option(
         "Also write README.md and figures there, to keep in git.", None, "DIR"
+    ),
+    crate: str | None = option(
+        "Also write an RO-Crate: report, tables, cells, what made them.", None, "FILE.zip"
     ),
     store: StoreRoot = "reports",
 ) -> Answer:
@@ -159,11 +162,13 @@ def report(
     Nothing is simulated: cells that have not been run are shown as missing.
     """
     wanted = tuple(part.strip() for part in formats.split(","))
-    if not set(wanted) <= {"html", "pdf"}:
-        raise InputError("--format", formats, "must be html, pdf or html,pdf")
+    if not set(wanted) <= {"html", "pdf", "xlsx", "parquet"}:
+        raise InputError("--format", formats, "must be among html, pdf, xlsx, parquet")
+    archive = None if crate is None else writable("--crate", crate, "zip")
     from workbench.report.build import build_report
     from workbench.report.build import summary as write_summary
     from workbench.report.chapters.answer import in_brief
+    from workbench.report.crate import write_crate
     from workbench.report.stored import Stored
     from workbench.study import assess
 
@@ -171,6 +176,11 @@ def report(
     result = assess(chosen, Path(store))
     stored = Stored(result.directory, chosen, result.responses)
     files = build_report(stored, formats=wanted, out=None if out is None else Path(out))
+    if archive is not None:
+        form = f"{study} --quick" if quick else study
+        commands = f"workbench run {form}", f"workbench report {form} --crate {archive.name}"
+        write_crate(stored, files["figures"].parent, archive, commands)
+        files["crate"] = archive
     if summary is not None:
         files["summary"] = write_summary(stored, Path(summary))
     content: dict[str, Any] = {

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from workbench.cli.output import Answer, Names, at_work, option, verb, writable
+from workbench.cli.sample import ENDINGS
 from workbench.cli.simulate import ScenarioFile, Settings
 from workbench.content.tree import Block, Column, Paragraph, Table
 from workbench.errors import InputError
@@ -23,7 +24,7 @@ def sweep(
     scenario: ScenarioFile,
     over: Names = option("Values of a key, once for each key.", ..., "KEY=LOW:HIGH:STEP|A,B,..."),
     model: Names = option("Name of a model, once for each.  [default: by the scenario]", None),
-    out: str | None = option("Write the table.", None, "ANSWERS.nc|csv"),
+    out: str | None = option("Write the table.", None, "ANSWERS.nc|csv|parquet|xlsx"),
     jobs: int | None = option("Processes.  [default: one for each core]", None),
     settings: Settings = None,
 ) -> Answer:
@@ -36,8 +37,9 @@ def sweep(
     from workbench.fields import Number
     from workbench.scenarios import load_scenario
     from workbench.study.store import to_netcdf_bytes, write_atomically
+    from workbench.study.tables import table_bytes
 
-    target = None if out is None else writable("--out", out, "nc", "csv", inputs=[scenario])
+    target = None if out is None else writable("--out", out, *ENDINGS, inputs=[scenario])
     count = os.cpu_count() or 1 if jobs is None else jobs
     Number(1, 512, integer=True).check("--jobs", count)
     pairs = [_values(text) for text in over or ()]
@@ -48,18 +50,18 @@ def sweep(
     with at_work("the sweep at work"):
         answers = swept(given, values, model or (), count)
     table = answers.to_dataframe().reset_index()
-    if target is not None and target.suffix.lower() == ".csv":
-        write_atomically(target, table.to_csv(index=False, lineterminator="\n").encode())
-    elif target is not None:
-        write_atomically(target, to_netcdf_bytes(answers))
+    if target is not None:
+        ending = target.suffix.lower()[1:]
+        whole = to_netcdf_bytes(answers) if ending == "nc" else table_bytes(table, ending)
+        write_atomically(target, whole)
     rows = table.astype(object).where(table.notna(), None).to_dict("records")
     outcomes = table["outcome"].value_counts()
     shown = list(_blocks(given.name, list(values), table, rows))
     if target is not None:
         shown.append(Paragraph(f"The table is in {target}."))
     content: dict[str, Any] = {"scenario": given.name, "over": list(values), "answers": rows}
-    whole = int(outcomes.get("ok", 0)) + int(outcomes.get("collapse", 0)) == len(rows)
-    return Answer(content, shown, int(not whole))
+    answered = int(outcomes.get("ok", 0)) + int(outcomes.get("collapse", 0)) == len(rows)
+    return Answer(content, shown, int(not answered))
 
 
 def _values(text: str) -> tuple[str, list[Any]]:

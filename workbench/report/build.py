@@ -26,8 +26,9 @@ from workbench.report.gallery import draw_all, save_all, save_png
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 from workbench.study.store import own_directory, write_atomically
+from workbench.study.tables import check_library, table_bytes, workbook_bytes
 
-_FORMAT = Choice(("html", "pdf"))
+_FORMAT = Choice(("html", "pdf", "xlsx", "parquet"))
 # figures of these kinds stand in chapters of their own
 _ELSEWHERE = ("convergence", "cost")
 _VARYING = ("cost",)  # kinds whose picture differs from machine to machine
@@ -40,15 +41,17 @@ def build_report(
 ) -> dict[str, Path]:
     """Write the report of a stored and assessed study; nothing is simulated or assessed.
 
-    Arguments: `stored`, the study in the form that was run; `formats`, any of html and pdf; `out`,
-    where to write (default: ``report`` in the store). Returns the path of each format, of the
-    ``figures`` with their numbers, and beside html of the ``explorer`` of a study in which
-    something moves in time. Equal stores give equal bytes.
+    Arguments: `stored`, the study in the form that was run; `formats`, any of html, pdf, and the
+    tables as sheets of one workbook (xlsx) or as files (parquet); `out`, where to write (default:
+    ``report`` in the store). Returns the path of each format, of the ``figures`` with their
+    numbers, and beside html of the ``explorer`` of a study in which something moves in time.
+    Equal stores give equal bytes, but for workbooks.
     Raises `InputError` for an unknown format, a study without results, a figure of unknown kind
     or a directory that cannot be written.
     """
     for name in formats:
         _FORMAT.check("--format", name)
+        check_library(name, "--format")
     study = stored.study
     target = own_directory(stored.directory, "report") if out is None else Path(out)
     written = {"figures": own_directory(target, "figures")}
@@ -69,6 +72,14 @@ def build_report(
         if "pdf" in formats:
             written["pdf"] = target / "report.pdf"
             write_atomically(written["pdf"], render_pdf(content))
+        if "xlsx" in formats:
+            written["xlsx"] = target / "tables.xlsx"
+            write_atomically(written["xlsx"], workbook_bytes(stored.tables))
+        if "parquet" in formats:
+            written["parquet"] = own_directory(target, "tables")
+            for name, table in stored.tables.items():
+                target_of = written["parquet"] / f"{name}.parquet"
+                write_atomically(target_of, table_bytes(table, "parquet"))
     except OSError as error:
         reason = error.strerror or "unknown reason"
         raise InputError("--out", str(target), f"cannot be written: {reason}") from error

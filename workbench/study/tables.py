@@ -1,8 +1,10 @@
 """Tables of an assessment: typed columns, as netCDF for programs and as CSV for people."""
 
+import io
 import json
 from collections.abc import Iterable, Mapping
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from types import NoneType
 from typing import Any
@@ -11,6 +13,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from workbench.errors import InputError
 from workbench.study.store import read_netcdf, to_netcdf_bytes, write_atomically
 
 Row = Mapping[str, Any]
@@ -59,9 +62,43 @@ def rows_of(table: pd.DataFrame) -> list[dict[str, Any]]:
 
 def csv_bytes(table: pd.DataFrame) -> bytes:
     """A table as CSV: numbers keep all digits, unknown ones are empty, lists JSON."""
-    lists = {name: _json(table[name].dropna()) for name in _lists_in(table)}
-    shown = table.assign(**lists)
-    return shown.to_csv(index=False, lineterminator="\n").encode()
+    return _plain_lists(table).to_csv(index=False, lineterminator="\n").encode()
+
+
+LIBRARIES = {"parquet": "pyarrow", "xlsx": "openpyxl"}  # of the extra `tables`, by ending
+
+
+def check_library(ending: str, field: str) -> None:
+    """Refuse an ending whose library is not installed. Raises `InputError`."""
+    library = LIBRARIES.get(ending)
+    if library is not None and find_spec(library) is None:
+        reason = f"needs {library}, which is not installed"
+        raise InputError(field, ending, reason, "pip install 'workbench[tables]'")
+
+
+def table_bytes(table: pd.DataFrame, ending: str) -> bytes:
+    """A table as csv, parquet or xlsx, by the ending. Raises `InputError` without its library."""
+    if ending == "csv":
+        return csv_bytes(table)
+    if ending == "xlsx":
+        return workbook_bytes({"table": table})
+    check_library(ending, "format")
+    return bytes(_plain_lists(table).to_parquet(None, engine="pyarrow", index=False))
+
+
+def workbook_bytes(tables: Tables) -> bytes:
+    """Tables as sheets of one workbook. Raises `InputError` without its library."""
+    check_library("xlsx", "format")
+    buffer = io.BytesIO()
+    with pd.ExcelWriter(buffer, engine="openpyxl") as book:
+        for name, table in tables.items():
+            _plain_lists(table).to_excel(book, sheet_name=name[:31], index=False)
+    return buffer.getvalue()
+
+
+def _plain_lists(table: pd.DataFrame) -> pd.DataFrame:
+    """The table with its lists as JSON."""
+    return table.assign(**{name: _json(table[name].dropna()) for name in _lists_in(table)})
 
 
 def _lists_in(table: pd.DataFrame) -> list[str]:

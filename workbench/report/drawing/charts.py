@@ -1,10 +1,16 @@
-"""Charts of pulses on logarithmic axes, as SVG text."""
+"""Charts that verbs draw: those of pulses on logarithmic axes, and a fragility curve."""
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from math import isinf
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from workbench.report.drawing.style import (
+    INTERVAL,
     MUTED,
+    Style,
     entry,
     house_style,
     legend_below,
@@ -14,6 +20,9 @@ from workbench.report.drawing.style import (
     settle,
 )
 from workbench.report.gallery import to_svg
+
+if TYPE_CHECKING:
+    from workbench.uncertainty.fragility import Fragility
 
 
 class Line(NamedTuple):
@@ -48,3 +57,33 @@ def chart(lines: Mapping[str, Line], x: str, y: str) -> str:
             legend_below(figure, handles)
         settle(figure)
     return to_svg(figure, "chart")
+
+
+def draw_fragility(result: "Fragility", path: Path) -> None:
+    """Write a fragility curve with its band, and the reduced model alone, as PNG, SVG or PDF."""
+    curve, setup = result.curve, result.setup
+    velocity = np.exp(curve.log_velocity)
+    with house_style():
+        figure = new_figure(3.6, 5.2)
+        panel = figure.add_subplot()
+        panel.fill_between(velocity, curve.low, curve.high, **INTERVAL)
+        corrected = numbered(0).curve()
+        panel.plot(velocity, curve.median, **corrected)
+        alone: Style = {"color": MUTED, "linestyle": "--", "linewidth": 1.0}
+        panel.plot(velocity, result.reduced_curve, **alone)
+        panel.set_ylim(0.0, 1.0)
+        panel.set_xlim(max(velocity[0], setup.ends[0]), min(velocity[-1], setup.ends[1]))
+        panel.set_xlabel("impact velocity (m/s)")
+        falls = isinf(setup.limit.displacement)
+        of = "collapse" if falls else f"exceeding {setup.limit}"
+        panel.set_ylabel(f"probability of {of}")
+        panel.grid(True, linewidth=0.4)
+        band = {**INTERVAL, "linewidth": 6.0}
+        handles = [
+            entry(f"{setup.reduced.name}, corrected by {setup.reference.name}", **corrected),
+            entry("90 %: samples, model, reference", **band),
+            entry(f"{setup.reduced.name} alone", **alone),
+        ]
+        legend_below(figure, handles)
+        settle(figure)
+        figure.savefig(path, dpi=160)

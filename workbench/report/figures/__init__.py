@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 KINDS = {
     "budget": "budget.draw",
-    "chooser": "chooser.draw",
+    "chooser": "cost.choices",
     "convergence": "refinement.convergence",
     "cost": "cost.draw",
     "deformed": "deformed.draw",
