@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 JOBS ?= $(shell $(PYTHON) -c "import os; print(os.cpu_count() or 1)")
 
-.PHONY: report quick test lint summary sweep frames benchmarks lock clean
+.PHONY: report quick test lint docs summary sweep frames benchmarks lock clean
 
 report: .venv/ready
 	$(BIN)/workbench run thesis_column --jobs $(JOBS)
@@ -20,6 +20,15 @@ lint: .venv/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+# The documentation as a site, in build/docs; its tools have a lock of their own.
+docs: .venv/docs
+	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
+	@echo "build/docs/index.html"
+
+.venv/docs: .venv/ready docs/requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r docs/requirements.lock
+	touch $@
 
 # The flagship's verdicts and pictures that are kept in git.
 summary: report
@@ -50,6 +59,10 @@ lock:
 	pip-compile --quiet --strip-extras --generate-hashes --allow-unsafe --no-header --no-annotate \
 	  --no-emit-index-url --no-emit-find-links --extra test --extra lint --extra build \
 	  --output-file requirements.lock pyproject.toml
+
+	pip-compile --quiet --strip-extras --generate-hashes --allow-unsafe --no-header --no-annotate \
+	  --no-emit-index-url --no-emit-find-links --no-emit-trusted-host --constraint requirements.lock \
+	  --output-file docs/requirements.lock docs/requirements.in
 
 clean:
 	rm -rf .venv build dist

@@ -28,6 +28,8 @@ def test_a_filled_template_is_fitted(
     assert "must hold one row or more" in capsys.readouterr().err
     example = [line[1:].strip() for line in text.splitlines() if line.startswith("#     our lab")]
     assert example == list(told.rows)
+    assert run(["new", "studs", "--kind", kind, "--example"]) == 0
+    assert capsys.readouterr().out == text + "\n".join(example) + "\n"
     file.write_text(text + "\n".join(example) + "\n")
     assert run(["data", "check", str(file)]) == 0
     assert "0 problems." in capsys.readouterr().out

@@ -121,12 +121,13 @@ def studs(
     kind: str = option(
         "strength, load-slip, residual, fatigue, combined or deck.", "strength", "NAME"
     ),
+    example: bool = option("With the rows of the example: it runs.", False, flag="--example"),
     as_json: Json = False,
 ) -> Answer:
     """A table of tests on studs, commented, with an example: for `workbench fit`."""
     from workbench.studs.schema import template
 
-    return _printed(template(kind), as_json)
+    return _printed(template(kind, example), as_json)
 
 
 def _command(file: str, text: str) -> None:

@@ -29,6 +29,7 @@ from workbench.scenarios import (
 )
 from workbench.studs import TESTS, ResidualFit, examine
 from workbench.studs import fit_residual as fit_rows
+from workbench.studs.reading import from_frame
 from workbench.study import Case, Figure, Study
 
 
@@ -300,7 +301,9 @@ def fit_residual(
         For a table that cannot be read, with its first bad line, or without tests to fit.
     """
     if isinstance(table, pd.DataFrame):
-        return fit_rows(table, quantity, **options)
+        read = "use_for_fit" in table  # a table that was read is complete
+        rows = table if read else from_frame(table, TESTS)
+        return fit_rows(rows, quantity, **options)
     path = Path(table)
     if not path.is_file():
         raise InputError("table", str(path), "is not a file")

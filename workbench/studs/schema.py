@@ -279,10 +279,11 @@ def _names(text: str) -> tuple[str, ...]:
 TEMPLATES = templates_in(Path(__file__).with_name("templates.toml"), TESTS, POINTS)
 
 
-def template(kind: str) -> str:
-    """The text of a template. Raises `InputError` for an unknown kind."""
+def template(kind: str, filled: bool = False) -> str:
+    """The text of a template, `filled` with its example. Raises `InputError` for unknown kinds."""
     Choice(tuple(TEMPLATES)).check("--kind", kind)
-    return TEMPLATES[kind].text
+    chosen = TEMPLATES[kind]
+    return chosen.text + "".join(f"{row}\n" for row in chosen.rows if filled)
 
 
 def _shown(shown: Template, name: str) -> str:
