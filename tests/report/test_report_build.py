@@ -10,8 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from workbench.content.documents import render_html
+from workbench.content.tree import Section, walk
 from workbench.errors import InputError, WorkbenchError
-from workbench.report.build import build_report
+from workbench.report.build import build_report, document
 from workbench.report.explorer import explorer
 from workbench.report.stored import Stored
 from workbench.study import assess
@@ -235,3 +237,15 @@ def test_long_tables_are_cut_on_paper_only(sweep_html):
     assert "more rows are in the electronic report" in text
     assert "is not refined in this study" in text
     assert "sets no acceptance gates" in text
+
+
+def test_what_is_folded_stands_on_the_screen_and_not_on_paper(small) -> None:
+    whole = document(small.study, small, [])
+    folded = [b for b in walk(whole.sections) if isinstance(b, Section) and b.folded]
+    assert {"asked", "numbers", "gate-reasons"} <= {section.key for section in folded}
+    html = render_html(whole)
+    assert html.count('<details class="fold screen-only">') == len(folded)
+    paper = whole.on_paper()
+    assert not [b for b in walk(paper.sections) if isinstance(b, Section) and b.folded]
+    last = paper.sections[-1].blocks[0]
+    assert all(section.title in str(last) for section in folded)

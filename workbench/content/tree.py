@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -85,13 +85,15 @@ class Cell:
     """A table cell: its `text`, the value it sorts by (None: its text), and its `tone`.
 
     Tones: empty, good, bad, doubt, muted. Of several lines the first one is the statement, the
-    others are details. A `hatched` cell holds a number that should not be relied on.
+    others are details; `more` is shown where a pointer rests. A `hatched` cell holds a number that
+    should not be relied on.
     """
 
     text: str
     sort: float | None = None
     tone: str = ""
     hatched: bool = False
+    more: str = ""
 
 
 ABSENT = Cell("–", tone="muted")
@@ -208,11 +210,15 @@ class Definitions:
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A titled part of the report; sections may hold sections."""
+    """A titled part of the report; sections may hold sections.
+
+    One that is `folded` opens on demand on a screen; paper leaves it out and names it.
+    """
 
     key: str
     title: str
     blocks: tuple[Block, ...]
+    folded: bool = False
     kind: str = field(default="section", init=False)
 
 
@@ -262,6 +268,15 @@ class Document:
         keys = dict.fromkeys(run.text for run in runs if run.kind == "cite")
         return tuple(reference_of(key) for key in keys)
 
+    def on_paper(self) -> Document:
+        """The document without what is folded, which its last line names."""
+        sections = [part for part in unfolded(self.sections) if isinstance(part, Section)]
+        titles = [b.title for b in walk(self.sections) if isinstance(b, Section) and b.folded]
+        if titles:
+            text = f"In the electronic report alone: {'; '.join(titles)}."
+            sections.append(Section("folded", "More", (Paragraph(text),)))
+        return replace(self, sections=tuple(sections))
+
     def marked(self, mark: str) -> Document:
         """The document with a mark before its title and before every caption."""
         sections = tuple(replace(part, blocks=marked(part.blocks, mark)) for part in self.sections)
@@ -282,6 +297,25 @@ def marked(blocks: Iterable[Block], mark: str) -> tuple[Block, ...]:
             block = replace(block, caption=f"{mark}{block.caption}")
         copies.append(block)
     return tuple(copies)
+
+
+def folded(blocks: tuple[Block, ...], keys: Collection[str]) -> tuple[Block, ...]:
+    """Blocks whose sections of some keys, at any depth, are folded."""
+    return tuple(
+        replace(each, blocks=folded(each.blocks, keys), folded=each.key in keys)
+        if isinstance(each, Section)
+        else each
+        for each in blocks
+    )
+
+
+def unfolded(blocks: tuple[Block, ...]) -> tuple[Block, ...]:
+    """Blocks without their folded sections."""
+    return tuple(
+        replace(each, blocks=unfolded(each.blocks)) if isinstance(each, Section) else each
+        for each in blocks
+        if not (isinstance(each, Section) and each.folded)
+    )
 
 
 def walk(blocks: tuple[Block, ...]) -> Iterator[Block]:

@@ -31,6 +31,11 @@ from workbench.study.tables import check_library, table_bytes, workbook_bytes
 _FORMAT = Choice(("html", "pdf", "xlsx", "parquet"))
 # figures of these kinds stand in chapters of their own
 _ELSEWHERE = ("convergence", "cost")
+# sections that open on demand; paper leaves them out
+_FOLDED = (
+    *("asked", "reading", "gate-reasons", "domain", "notes", "error-model", "ranking"),
+    *("budgets", "numbers", "convergence", "configuration"),
+)
 _VARYING = ("cost",)  # kinds whose picture differs from machine to machine
 _MOST_PICTURES = 8
 _EXPLORE = "Explore the stored answers: sliders, histories, deformed shapes"
@@ -71,7 +76,7 @@ def build_report(
             write_atomically(written["html"], render_html(content).encode())
         if "pdf" in formats:
             written["pdf"] = target / "report.pdf"
-            write_atomically(written["pdf"], render_pdf(content))
+            write_atomically(written["pdf"], render_pdf(content.on_paper()))
         if "xlsx" in formats:
             written["xlsx"] = target / "tables.xlsx"
             write_atomically(written["xlsx"], workbook_bytes(stored.tables))
@@ -121,7 +126,8 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         f"{'references' if len(study.ranked) > 1 else 'reference'}: {', '.join(study.ranked)}",
         f"study: {study.name}",
     )
-    whole = Document(study.title, "Validation report", facts, sections)
+    unfolding = [part for part in tree.folded(sections, _FOLDED) if isinstance(part, Section)]
+    whole = Document(study.title, "Validation report", facts, tuple(unfolding))
     return whole.marked(results.MARK) if stored.synthetic else whole
 
 

@@ -35,3 +35,14 @@ const hint = () => document.querySelectorAll(".table").forEach((table) => {
 });
 hint();
 addEventListener("resize", hint);
+// a link into what is folded opens it
+const unfold = () => {
+  const target = location.hash && document.getElementById(location.hash.slice(1));
+  if (!target) return;
+  const inner = target.querySelector(":scope > details.fold");
+  if (inner) inner.open = true;
+  for (let d = target.closest("details"); d; d = d.parentElement.closest("details")) d.open = true;
+  target.scrollIntoView();
+};
+addEventListener("hashchange", unfold);
+unfold();

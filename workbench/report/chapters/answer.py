@@ -89,7 +89,6 @@ def matrix(study: Study, stored: Stored, pictures: Iterable[Picture] = ()) -> tu
         Column("model", width=1.4, of=lambda item: _name(study, item[0])),
         *(Column(title, width=2.1, of=partial(_cell, group)) for group, title in titles.items()),
         *(timed if costs else ()),
-        Column("in words", width=3.0, of=lambda item: sentence(item[1])),
     )
     rows = stored.rows["matrix"]
     anchored = choice.anchored(stored)
@@ -120,7 +119,7 @@ def _name(study: Study, label: str) -> str:
     if label not in study.ranked:
         return label
     place = f" {study.ranked.index(label) + 1}" if len(study.ranked) > 1 else ""
-    return f"{label}\nreference{place}"
+    return f"{label} (reference{place})"
 
 
 def _others(study: Study, stored: Stored, labels: set[str]) -> Iterator[tuple[str, list[str]]]:
@@ -165,8 +164,11 @@ def _cell(group: str, item: tuple[str, dict[str, Row]]) -> Cell:
         silent = "not compared" if row["answered"] else "no answer"
         lines.append("collapses" if row["collapsed"] else silent)
         tone = "bad" if row["failed"] or row["false_alarm"] or row["false_safe"] else "muted"
-    lines.append(PAGE.words("counts", row=row, ends=ends(row)))
-    return Cell("\n".join(lines), row[f"{PEAK}_bias"], tone, hatched=bool(row["outside"]))
+    said, *details = lines
+    ended, value = ends(row), row[f"{PEAK}_bias"]
+    details.append(PAGE.words("counts", row=row, ends=[]))
+    text = ", ".join([said, *ended])
+    return Cell(text, value, tone, hatched=bool(row["outside"]), more="; ".join(details))
 
 
 def _bias(row: Row, quantity: str) -> str:
@@ -197,21 +199,6 @@ def _tone(row: Row) -> str:
 def ends(row: Row) -> list[str]:
     """How the cases without a number ended, and where the reference ended otherwise."""
     return [f"{row[name]} {text}" for name, text in (_ENDS | _DISAGREE).items() if row[name]]
-
-
-def sentence(rows: dict[str, Row]) -> str:
-    """What the numbers of a model say, group by group; groups that say the same stand together."""
-    groups: dict[str, list[str]] = {}
-    for group, row in rows.items():
-        parts = [PAGE.words("number_of", row=row)]
-        parts += [f"{row[name]} {text}" for name, text in _DISAGREE.items() if row[name]]
-        lost = row["refused"] + row["failed"]
-        parts += [f"no answer in {lost} of {row['asked']}"] if lost else []
-        groups.setdefault(", ".join(parts), []).append(group)
-    if len(groups) == 1:
-        (text,) = groups
-        return text[0].upper() + text[1:]
-    return "; ".join(f"{' and '.join(names)}: {text}" for text, names in groups.items())
 
 
 def _reasons(stored: Stored, labels: set[str]) -> Iterator[str]:
