@@ -165,7 +165,7 @@ def _cell(group: str, item: tuple[str, dict[str, Row]]) -> Cell:
         lines.append("collapses" if row["collapsed"] else silent)
         tone = "bad" if row["failed"] or row["false_alarm"] or row["false_safe"] else "muted"
     said, *details = lines
-    ended, value = ends(row), row[f"{PEAK}_bias"]
+    ended, value = ends(row) + ["synthetic"] * bool(row["synthetic"]), row[f"{PEAK}_bias"]
     details.append(PAGE.words("counts", row=row, ends=[]))
     text = ", ".join([said, *ended])
     return Cell(text, value, tone, hatched=bool(row["outside"]), more="; ".join(details))
