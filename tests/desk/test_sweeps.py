@@ -110,3 +110,42 @@ def test_a_key_stands_once(column_file, capsys):
     twice = ("--over", "striker.mass=900", "--over", "striker.mass=800")
     assert run(["sweep", column_file, *twice, "--model", "single-dof"]) == 2
     assert "each key once" in capsys.readouterr().err
+
+
+def test_rows_of_a_table_are_cases(impact, column_file, tmp_path, capsys):
+    table = pd.DataFrame({"striker.velocity": [4.0, 6.0, 6.0], "striker.mass": [900, 900, 800]})
+    answers = wb.sweep(impact, models=["single-dof"], cases=table)
+    assert answers.peak_displacement.dims == ("model", "case")
+    assert answers["striker.mass"].dims == ("case",)
+    assert answers["striker.velocity"].attrs["units"] == "m/s"
+    for row in table.itertuples():
+        hit = wb.hit(impact.column, mass=row[2], velocity=row[1])
+        single = float(wb.simulate(hit, "single-dof").peak_displacement)
+        assert float(answers.peak_displacement[0, row.Index]) == single
+    file, out = tmp_path / "cases.csv", tmp_path / "answers.csv"
+    table.to_csv(file, index=False)
+    asked = ("sweep", column_file, "--cases", str(file), "--model", "single-dof")
+    assert run([*asked, "--out", str(out)]) == 0
+    assert pd.read_csv(out)["striker.mass"].tolist() == [900, 900, 800]
+    assert "3 answers, 3 ok" in capsys.readouterr().out
+    for wrong in ("", "striker.mass\n", "striker.mass\n900\n,\n", 'striker.mass\n"\n'):
+        file.write_text(wrong)
+        assert run(list(asked)) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+    assert run([*asked, "--over", "striker.mass=900"]) == 2
+    assert "not both" in capsys.readouterr().err
+
+
+def test_sweeps_are_drawn(column_file, tmp_path, capsys):
+    over = ("--over", "striker.velocity=2:4:1", "--over", "striker.mass=900,1500")
+    picture = tmp_path / "peaks.svg"
+    asked = ["sweep", column_file, *over, "--model", "single-dof", "--plot"]
+    assert run([*asked, str(picture)]) == 0
+    text = picture.read_text()
+    assert "striker.velocity (m/s)" in text
+    assert "striker.mass = 1500" in text
+    assert run([*asked, str(tmp_path / "peaks.txt")]) == 2
+    names = ["sweep", column_file, "--over", "column.base=clamped,pinned", "--model", "single-dof"]
+    capsys.readouterr()
+    assert run([*names, "--plot", str(picture)]) == 2
+    assert "needs numbers first" in capsys.readouterr().err

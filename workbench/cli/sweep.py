@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workbench.cli.output import Answer, Names, at_work, option, verb, writable
 from workbench.cli.sample import ENDINGS
-from workbench.cli.simulate import ScenarioFile, Settings
+from workbench.cli.simulate import PICTURES, ScenarioFile, Settings
 from workbench.content.tree import Block, Column, Paragraph, Table
 from workbench.errors import InputError
 
@@ -22,16 +23,19 @@ _MOST_VALUES = 100_000
 @verb
 def sweep(
     scenario: ScenarioFile,
-    over: Names = option("Values of a key, once for each key.", ..., "KEY=LOW:HIGH:STEP|A,B,..."),
+    over: Names = option("Values of a key, once for each key.", None, "KEY=LOW:HIGH:STEP|A,B,..."),
+    cases: str | None = option("A case a row, in place of --over.", None, "TABLE.csv"),
     model: Names = option("Name of a model, once for each.  [default: by the scenario]", None),
     out: str | None = option("Write the table.", None, "ANSWERS.nc|csv|parquet|xlsx"),
+    plot: str | None = option("Draw the peaks.", None, "OUT.png|svg|pdf"),
     jobs: int | None = option("Processes.  [default: one for each core]", None),
     settings: Settings = None,
 ) -> Answer:
     """Answer a scenario with some of its values varied.
 
-    Every value with every other, by every model. Exit status 0 if all survive or collapse, 1 if one
-    has no answer (the table says why), 2 for bad input.
+    Every value with every other, or the rows of a table whose columns are keys, by every model.
+    Exit status 0 if all survive or collapse, 1 if one has no answer (the table says why), 2 for
+    bad input.
     """
     from workbench.desk.sweeps import sweep as swept
     from workbench.fields import Number
@@ -39,7 +43,11 @@ def sweep(
     from workbench.study.store import to_netcdf_bytes, write_atomically
     from workbench.study.tables import table_bytes
 
-    target = None if out is None else writable("--out", out, *ENDINGS, inputs=[scenario])
+    files = [scenario, cases]
+    target = None if out is None else writable("--out", out, *ENDINGS, inputs=files)
+    picture = None if plot is None else writable("--plot", plot, *PICTURES, inputs=files)
+    if bool(over) == bool(cases):
+        raise InputError("--over", None, "must be given, or --cases, and not both")
     count = os.cpu_count() or 1 if jobs is None else jobs
     Number(1, 512, integer=True).check("--jobs", count)
     pairs = [_values(text) for text in over or ()]
@@ -48,20 +56,44 @@ def sweep(
         raise InputError("--over", [key for key, _ in pairs], "must name each key once")
     given = load_scenario(scenario, settings or [])
     with at_work("the sweep at work"):
-        answers = swept(given, values, model or (), count)
+        rows_of_cases = None if cases is None else _cases(cases)
+        varied = None if cases else values
+        answers = swept(given, varied, model or (), count, cases=rows_of_cases)
     table = answers.to_dataframe().reset_index()
     if target is not None:
         ending = target.suffix.lower()[1:]
         whole = to_netcdf_bytes(answers) if ending == "nc" else table_bytes(table, ending)
         write_atomically(target, whole)
+    if picture is not None:
+        from workbench.report.drawing.charts import draw_sweep
+
+        draw_sweep(answers, picture)
     rows = table.astype(object).where(table.notna(), None).to_dict("records")
     outcomes = table["outcome"].value_counts()
-    shown = list(_blocks(given.name, list(values), table, rows))
-    if target is not None:
-        shown.append(Paragraph(f"The table is in {target}."))
-    content: dict[str, Any] = {"scenario": given.name, "over": list(values), "answers": rows}
+    keys = [str(key) for key in (values if rows_of_cases is None else rows_of_cases)]
+    shown = list(_blocks(given.name, keys, table, rows))
+    for what, file in (("table", target), ("picture", picture)):
+        shown += [Paragraph(f"The {what} is in {file}.")] if file else []
+    content: dict[str, Any] = {"scenario": given.name, "over": keys, "answers": rows}
     answered = int(outcomes.get("ok", 0)) + int(outcomes.get("collapse", 0)) == len(rows)
     return Answer(content, shown, int(not answered))
+
+
+def _cases(file: str) -> pd.DataFrame:
+    """The table of a file, a column a key. Raises `InputError` for what is none."""
+    import pandas as pd
+
+    from workbench.datafiles import open_input
+
+    with open_input(Path(file), "--cases") as stream:
+        try:
+            table = pd.read_csv(stream)
+        except (pd.errors.ParserError, pd.errors.EmptyDataError) as error:
+            text = "must be a table with a line of keys"
+            raise InputError("--cases", file, text, str(error).strip()) from error
+    if table.empty:
+        raise InputError("--cases", file, "must hold one row or more")
+    return table
 
 
 def _values(text: str) -> tuple[str, list[Any]]:

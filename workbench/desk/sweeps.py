@@ -29,11 +29,13 @@ MOST = 1_000_000
 
 def sweep(
     scenario: Scenario | Path | str,
-    over: Mapping[str, Iterable[Any]],
+    over: Mapping[str, Iterable[Any]] | None = None,
     models: Sequence[Model | str] = (),
     jobs: int = 1,
+    *,
+    cases: pd.DataFrame | None = None,
 ) -> xr.Dataset:
-    """Answer a scenario with some of its values varied, every value with every other.
+    """Answer a scenario with some of its values varied, every value with every other, or by rows.
 
     Parameters
     ----------
@@ -41,12 +43,13 @@ def sweep(
     over : values by key of the scenario, such as ``{"striker.velocity": [5, 10, "54 km/h"]}``.
     models : names, or models with their options; without any that of `workbench advise`.
     jobs : processes.
+    cases : in place of `over`: a table whose columns are keys, a row a case.
 
     Returns
     -------
     xarray.Dataset
-        Scalars in SI units over ``model`` and the keys; NaN where a model collapses, refuses or
-        fails, which ``outcome`` and ``failure`` say.
+        Scalars in SI units over ``model`` and the keys (or ``case``); NaN where a model collapses,
+        refuses or fails, which ``outcome`` and ``failure`` say.
 
     Raises
     ------
@@ -65,11 +68,16 @@ def sweep(
     'collapse'
     """
     given = load_scenario(scenario) if isinstance(scenario, (Path, str)) else scenario
-    values = {key: list(each) for key, each in over.items()}
+    if (over is None) == (cases is None):
+        raise InputError("over", None, "must be given, or cases, and not both")
+    values: dict[str, list[Any]] = {str(key): list(each) for key, each in (over or {}).items()}
+    if cases is not None:
+        values = {str(key): cases[key].tolist() for key in cases}
     for key, each in values.items():
-        if not each:
-            raise InputError(key, each, "needs at least one value")
-    count = int(np.prod([len(each) for each in values.values()], dtype=float))
+        if not each or any(value is None or value != value for value in each):
+            raise InputError(key, each[:1], "needs a value, in every row")
+    lengths = [len(each) for each in values.values()]
+    count = int(np.prod(lengths, dtype=float)) if cases is None else len(cases)
     if not values or count > MOST:
         text = f"must be 1 to {MOST} combinations of values"
         raise InputError("over", count if values else None, text)
@@ -80,9 +88,10 @@ def sweep(
     tables = tomllib.loads(to_toml(given))
     read = {key: _coordinate(tables, key, each) for key, each in values.items()}
     for key, each in read.items():
-        if len(set(map(str, each))) < len(each):
+        if cases is None and len(set(map(str, each))) < len(each):
             raise InputError(key, each, "must be different values")
-    combinations = itertools.product(*values.values())
+    combine = itertools.product if cases is None else zip
+    combinations = combine(*values.values())
     varied = [_with(tables, dict(zip(values, each, strict=True))) for each in combinations]
     errors = [each for each in varied if isinstance(each, InputError)]
     if len(errors) == len(varied):
@@ -91,7 +100,13 @@ def sweep(
     with Processes(jobs if len(parts) * len(chosen) > 1 else 1) as run:
         tasks = [(model, part) for model in chosen for part in parts]
         rows: pd.DataFrame = pd.concat(run(_answer, tasks), ignore_index=True)
-    return _dataset(rows, names, read)
+    named = {key: (each, {"units": _unit(given, key)}) for key, each in read.items()}
+    if cases is None:
+        return _dataset(
+            rows, {"model": names, **{k: (k, *pair) for k, pair in named.items()}}, named
+        )
+    coordinates = {"case": range(count), **{k: ("case", *pair) for k, pair in named.items()}}
+    return _dataset(rows, {"model": names, **coordinates}, ["case"])
 
 
 def _answer(task: tuple[Model, list[Scenario | InputError]]) -> pd.DataFrame:
@@ -125,9 +140,21 @@ def _coordinate(tables: Mapping[str, Any], key: str, values: list[Any]) -> list[
     return read
 
 
-def _dataset(rows: pd.DataFrame, names: list[str], over: Mapping[str, list[Any]]) -> xr.Dataset:
+def _unit(scenario: Any, key: str) -> str:
+    """The SI unit of a value of a scenario; empty of what has none."""
+    *path, name = key.split(".")
+    part = scenario
+    for each in path:
+        part = getattr(part, each, None)
+    declared = getattr(part, "__dataclass_fields__", {}).get(name)
+    return "" if declared is None else getattr(declared.metadata.get("rule"), "unit", "")
+
+
+def _dataset(rows: pd.DataFrame, coordinates: Mapping[str, Any], over: Iterable[str]) -> xr.Dataset:
+    """Answers, a row a combination, as a dataset over the model and what is varied."""
+    empty = xr.Dataset(coords=coordinates)
     dims = ("model", *over)
-    shape = (len(names), *(len(each) for each in over.values()))
+    shape = tuple(empty.sizes[dim] for dim in dims)
     variables: dict[str, Any] = {}
     for name in SCALARS:
         if name in rows:
@@ -136,4 +163,4 @@ def _dataset(rows: pd.DataFrame, names: list[str], over: Mapping[str, list[Any]]
             variables[name] = (dims, rows[name].to_numpy(dtype=float).reshape(shape), labels)
     for name in (OUTCOME, FAILURE):
         variables[name] = (dims, rows[name].to_numpy(dtype=object).reshape(shape))
-    return xr.Dataset(variables, {"model": names, **over})
+    return empty.assign(variables)

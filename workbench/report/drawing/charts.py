@@ -6,7 +6,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import xarray as xr
 
+from workbench.assessment.budget import PEAK
+from workbench.content.formatting import axis_label, unit_of
+from workbench.errors import InputError
 from workbench.report.drawing.style import (
     INTERVAL,
     MUTED,
@@ -23,6 +27,9 @@ from workbench.report.gallery import to_svg
 
 if TYPE_CHECKING:
     from workbench.uncertainty.fragility import Fragility
+
+
+_MOST_LINES = 10  # told apart by their colours and dashes
 
 
 class Line(NamedTuple):
@@ -57,6 +64,37 @@ def chart(lines: Mapping[str, Line], x: str, y: str) -> str:
             legend_below(figure, handles)
         settle(figure)
     return to_svg(figure, "chart")
+
+
+def draw_sweep(answers: xr.Dataset, path: Path) -> None:
+    """Write the peak over the first key of a sweep, a line for each model and other value.
+
+    Raises `InputError` where no peak is known, or lines cannot be told apart.
+    """
+    peaks = answers.get(PEAK)
+    if peaks is None:
+        raise InputError("--plot", path.name, "there is no peak to draw", "see the outcomes")
+    _, key, *others = peaks.dims
+    lines = peaks.stack(line=("model", *others)).transpose("line", key)
+    x, unit = lines[key].to_numpy(), unit_of(PEAK)
+    if len(lines) > _MOST_LINES or x.dtype.kind not in "if":
+        text = f"needs numbers first, and at most {_MOST_LINES} lines"
+        raise InputError("--plot", path.name, text, "vary less, or write the table alone")
+    with house_style():
+        figure = new_figure(3.6, 4.6)
+        panel, handles = figure.add_subplot(), []
+        for i, (names, line) in enumerate(zip(lines["line"].to_numpy(), lines, strict=True)):
+            panel.plot(x, unit.factor * line.to_numpy(), **numbered(i).curve(marker="o"))
+            model, *values = names
+            texts = (f"{other} = {value}" for other, value in zip(others, values, strict=True))
+            handles.append(entry(", ".join([str(model), *texts]), **numbered(i).curve()))
+        of = lines[key].attrs.get("units", "")
+        panel.set_xlabel(f"{key} ({of})" if of else str(key))
+        panel.set_ylabel(axis_label(PEAK))
+        panel.grid(True, linewidth=0.4)
+        legend_below(figure, handles)
+        settle(figure)
+        figure.savefig(path, dpi=160)
 
 
 def draw_fragility(result: "Fragility", path: Path) -> None:
