@@ -1,6 +1,9 @@
 """`workbench sample` and `workbench sensitivity`."""
 
 import json
+import subprocess
+import sys
+import time
 
 import numpy as np
 import pandas as pd
@@ -47,6 +50,38 @@ def test_rows_are_the_answers_of_single_calls(uncertain_file, tmp_path, capsys):
     single = load_scenario(uncertain_file, [f"{key}={float(row[key])!r}" for key in keys])
     peak = float(make_model("single-dof").simulate(single).peak_displacement)
     assert row["peak_displacement"] == pytest.approx(peak, rel=1e-12)
+
+
+def test_a_killed_run_goes_on_where_it_was(uncertain_file, tmp_path):
+    whole, out = tmp_path / "whole.csv", tmp_path / "answers.csv"
+    asked = ["sample", uncertain_file, "--model", "four-dof", "--samples", "2000", "--jobs", "1"]
+    code = "import sys; from workbench.cli import run; sys.exit(run(sys.argv[1:]))"
+    command = [sys.executable, "-c", code, *asked, "--out", str(out)]
+    killed = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    begin = time.monotonic()
+    while len(list(tmp_path.glob(".answers.csv.parts-*/*.nc"))) < 2:
+        assert killed.poll() is None
+        assert time.monotonic() < begin + 120.0
+        time.sleep(0.01)
+    killed.kill()
+    killed.wait()
+    assert not out.exists()
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "parts of an interrupted run are taken over" in done.stderr
+    assert run([*asked, "--out", str(whole)]) == 0
+    assert out.read_bytes() == whole.read_bytes()
+    assert not list(tmp_path.glob(".*parts*"))
+
+
+def test_parts_of_another_question_are_not_taken(uncertain_file, tmp_path, capsys):
+    stale = tmp_path / ".answers.csv.parts-0123456789abcdef"
+    stale.mkdir()
+    (stale / "0-12.nc").write_text("of another model")
+    out = str(tmp_path / "answers.csv")
+    assert run(["sample", uncertain_file, *SDOF, "--samples", "12", "--out", out]) == 0
+    assert "taken over" not in capsys.readouterr().err
+    assert not stale.exists()
 
 
 def test_parts_of_a_sequence_are_the_whole(uncertain_file, tmp_path):

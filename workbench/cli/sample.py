@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator
+from hashlib import sha256
 from pathlib import Path
+from shutil import rmtree
 from typing import TYPE_CHECKING, Any
 
 from workbench.cli.output import Answer, at_work, option, verb, writable
@@ -39,11 +42,13 @@ def sample(
     """Answer samples of uncertain inputs.
 
     One model, one table, a row a sample. Samples are points of a scrambled Sobol sequence: those
-    from --first on are the same whatever the number of samples or processes. Exit status 0 if all
+    from --first on are the same whatever the number of samples or processes. An interrupted run
+    goes on where it was, if asked the same. Exit status 0 if all
     survive or collapse, 1 if one has no answer (the table says why), 2 for bad input.
     """
     from workbench.fields import Number
     from workbench.registry import make_model
+    from workbench.scenarios import to_toml
     from workbench.uncertainty.answers import FAILURE, OUTCOME, sample_answers
 
     target = writable("--out", out, *ENDINGS, inputs=[scenario])
@@ -54,8 +59,11 @@ def sample(
     chosen = make_model(model, pairs_of("--option", options))
     with at_work(f"{model}, {samples} samples, at work"):
         scores = uncertain.normal_scores(samples, (seed,), first)
-        table = sample_answers(chosen, uncertain, scores, count)
+        asked = to_toml(uncertain.base), Path(scenario).read_text(encoding="utf-8"), settings
+        folder = _kept(target, asked, repr(chosen), chosen.version, seed, first)
+        table = sample_answers(chosen, uncertain, scores, count, folder)
     _write(target, table)
+    rmtree(folder)
     outcomes = {str(name): int(n) for name, n in table[OUTCOME].value_counts().items()}
     numbers = [name for name in table.columns if name not in (*uncertain.names, OUTCOME, FAILURE)]
     rows = [
@@ -158,6 +166,24 @@ def _jobs(jobs: Jobs) -> int:
 
     count = os.cpu_count() or 1 if jobs is None else jobs
     return int(Number(1, 512, integer=True).check("--jobs", count))
+
+
+def _kept(target: Path, *asked: object) -> Path:
+    """The folder beside the table that keeps its finished parts; of other questions it goes."""
+    from workbench import __version__
+    from workbench.study.store import canonical_json, own_directory
+
+    digest = sha256(canonical_json([__version__, *map(str, asked)])).hexdigest()[:16]
+    name = f".{target.name}.parts-{digest}"
+    for other in target.parent.glob(f".{target.name}.parts-*"):
+        if other.name != name:
+            rmtree(other)
+    folder = own_directory(target.parent, name)
+    finished = len(list(folder.glob("*.nc")))
+    if finished:
+        text = f"workbench: {finished} parts of an interrupted run are taken over"
+        print(text, file=sys.stderr, flush=True)
+    return folder
 
 
 def _write(target: Path, table: pd.DataFrame) -> None:

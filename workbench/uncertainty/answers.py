@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -11,6 +12,7 @@ from workbench.errors import InputError
 from workbench.models.base import Model, on_one_mesh
 from workbench.responses import SCALARS, Outcome, outcome_of, scalars_of
 from workbench.scenarios import Scenario
+from workbench.study.store import read_netcdf, to_netcdf_bytes, write_atomically
 from workbench.uncertainty.inputs import UncertainScenario
 from workbench.uncertainty.sample_runs import Processes
 
@@ -41,22 +43,40 @@ def answers_of(model: Model, scenarios: Iterable[Scenario | InputError]) -> pd.D
 
 @dataclass(frozen=True)
 class _Part:
-    """A model and the uncertain scenario of which it answers samples."""
+    """A model and the uncertain scenario of which it answers samples.
+
+    Tables are kept in a folder as soon as they are made, and taken from there.
+    """
 
     model: Any
     uncertain: UncertainScenario
+    folder: Path | None
 
-    def answer(self, scores: Array) -> pd.DataFrame:
-        return answers_of(self.model, self.uncertain.scenarios(scores))
+    def answer(self, task: tuple[int, Array]) -> pd.DataFrame:
+        first, scores = task
+        if self.folder is None:
+            return answers_of(self.model, self.uncertain.scenarios(scores))
+        file = self.folder / f"{first}-{len(scores)}.nc"
+        if not file.is_file():
+            table = answers_of(self.model, self.uncertain.scenarios(scores))
+            write_atomically(file, to_netcdf_bytes(table.rename_axis("sample").to_xarray()))
+        return read_netcdf(file).to_dataframe()
 
 
 def sample_answers(
-    model: Any, uncertain: UncertainScenario, scores: Array, jobs: int = 1
+    model: Any,
+    uncertain: UncertainScenario,
+    scores: Array,
+    jobs: int = 1,
+    folder: Path | None = None,
 ) -> pd.DataFrame:
-    """Answers of a model at independent normal scores (samples, inputs), with the inputs first."""
-    parts = [scores[k : k + CHUNK] for k in range(0, len(scores), CHUNK)]
+    """Answers of a model at independent normal scores (samples, inputs), with the inputs first.
+
+    A `folder` keeps what is finished: asked again, an interrupted run goes on from there.
+    """
+    parts = [(k, scores[k : k + CHUNK]) for k in range(0, len(scores), CHUNK)]
     with Processes(jobs) as run:
-        tables = run(_Part(model, uncertain).answer, parts)
+        tables = run(_Part(model, uncertain, folder).answer, parts)
     answers: pd.DataFrame = pd.concat(tables, ignore_index=True)
     values = {".".join(map(str, path)): column for path, column in uncertain.values(scores).items()}
     inputs = pd.DataFrame(values).infer_objects()
