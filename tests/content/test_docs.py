@@ -14,7 +14,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 CELL = re.compile(r"^```\{code-cell\}[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 
-@pytest.mark.parametrize("name", ["column", "frame", "studs"])
+@pytest.mark.parametrize("name", ["column", "frame", "studs", "gallery"])
 def test_cells_of_notebooks_run(name: str) -> None:
     cells = CELL.findall((DOCS / "notebooks" / f"{name}.md").read_text(encoding="utf-8"))
     assert len(cells) >= 2
