@@ -88,6 +88,10 @@ def test_a_response_tells_what_it_knows(response: Any, column: Any) -> None:
     assert "HEB 220" in column._repr_html_()
 
 
+def test_a_notebook_shows_pictures_by_themselves(response: Any) -> None:
+    assert "<svg" in response.workbench.plot.history().figure._repr_svg_()
+
+
 def test_a_collapse_is_an_answer_without_numbers(column: Any) -> None:
     answer = wb.simulate(wb.hit(column, 1500, 80), "four-dof").workbench
     assert answer.outcome is Outcome.COLLAPSE

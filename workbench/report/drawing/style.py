@@ -1,5 +1,6 @@
 """One house style: paper-sized figures, safe colours, one look per label in every figure."""
 
+import io
 import itertools
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager
@@ -107,10 +108,20 @@ def house_style() -> AbstractContextManager[None]:
     return rc_context(_HOUSE)
 
 
+class Shown(Figure):
+    """A figure that a notebook shows by itself."""
+
+    def _repr_svg_(self) -> str:
+        buffer = io.StringIO()
+        with house_style():
+            self.savefig(buffer, format="svg")
+        return buffer.getvalue()
+
+
 def new_figure(height: float, width: float = TEXT_WIDTH) -> Figure:
     """An empty figure of the given size in inches, laid out without overlaps."""
     layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06, hspace=0.04)
-    return Figure(figsize=(width, height), layout=layout)
+    return Shown(figsize=(width, height), layout=layout)
 
 
 def logarithmic(axis: Axis, words: Callable[[float], str]) -> None:

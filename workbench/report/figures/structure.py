@@ -20,7 +20,7 @@ from workbench.content.formatting import TIMES, brief
 from workbench.report.drawing.frame import TINTS, draw_actions, draw_frame, joint_mark, targets
 from workbench.report.drawing.layout import Layout, frame_scenario_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, first, nothing
-from workbench.report.drawing.style import MUTED, TEXT_WIDTH
+from workbench.report.drawing.style import MUTED, TEXT_WIDTH, Shown
 from workbench.report.drawing.symbols import cross_section, dimension, note
 from workbench.scenarios import Frame, FrameScenario
 
@@ -52,7 +52,7 @@ def draw(request: Request) -> Drawing:
         return nothing("None of the cases is about a frame or a column.")
     notes: list[str] = []
     groups = first(list(cases_of.items()), _MOST, "different structures", notes)
-    canvas = Canvas(figsize=(_ROOM, _ROOM))
+    canvas = Shown(figsize=(_ROOM, _ROOM))
     panels = [
         canvas.add_axes((0.0, 0.0, 1.0, 1.0), label=f"structure {i}") for i in range(len(groups))
     ]
