@@ -17,6 +17,18 @@ from workbench.scenarios import Frame, Joint, Load, regular_frame
 from workbench.sections import Section, square
 
 SQUARE = square(0.2)
+UNCERTAIN = """
+kind = "column-impact"
+name = "uncertain column"
+[column]
+section = "HEB 220"
+length_below = 2.0
+length_above = 2.0
+axial_load = { lognormal = { mean = 500e3, cov = 0.15 } }
+[steel]
+yield_stress = { jcss = "S355" }
+[striker]
+"""  # what strikes is added
 # assumptions of Heng 2017 that lumped columns have as options
 THESIS_SPRINGS = {"rotational_stiffness": 6.0}
 THESIS_CURVE = {**THESIS_SPRINGS, "interaction": "linear"}

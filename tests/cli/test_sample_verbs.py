@@ -9,24 +9,14 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from builders import UNCERTAIN
 
 from workbench.cli import run
 from workbench.registry import make_model
 from workbench.scenarios import load_scenario
 
-TEXT = """
-kind = "column-impact"
-name = "uncertain column"
-[column]
-section = "HEB 220"
-length_below = 2.0
-length_above = 2.0
-axial_load = { lognormal = { mean = 500e3, cov = 0.15 } }
-[steel]
-yield_stress = { jcss = "S355" }
-[striker]
-mass = 1500.0
-velocity = { normal = [10.0, 1.0] }
+TEXT = f"""{UNCERTAIN}mass = 1500.0
+velocity = {{ normal = [10.0, 1.0] }}
 """
 SDOF = ("--model", "single-dof", "--jobs", "1")
 
@@ -46,6 +36,7 @@ def test_rows_are_the_answers_of_single_calls(uncertain_file, tmp_path, capsys):
     table = pd.read_csv(out)
     keys = ["column.axial_load", "steel.yield_stress", "striker.velocity"]
     assert list(table.columns[:3]) == keys
+    assert list(table.columns[-2:]) == ["outcome", "failure"]
     row = table.iloc[5]
     single = load_scenario(uncertain_file, [f"{key}={float(row[key])!r}" for key in keys])
     peak = float(make_model("single-dof").simulate(single).peak_displacement)

@@ -6,6 +6,7 @@ from math import isfinite, log
 
 import numpy as np
 import pytest
+from builders import UNCERTAIN
 
 from workbench.cli import run
 from workbench.errors import InputError, WorkbenchError
@@ -16,18 +17,7 @@ from workbench.uncertainty.fragility import fragility
 from workbench.uncertainty.inputs import uncertain_from_text
 from workbench.uncertainty.sample_runs import Setup, Target, roots_of
 
-TEXT = """
-kind = "column-impact"
-name = "uncertain column"
-[column]
-section = "HEB 220"
-length_below = 2.0
-length_above = 2.0
-axial_load = { lognormal = { mean = 500e3, cov = 0.15 } }
-[steel]
-yield_stress = { jcss = "S355" }
-[striker]
-mass = { lognormal = { mean = 1500.0, cov = 0.1 } }
+TEXT = f"""{UNCERTAIN}mass = {{ lognormal = {{ mean = 1500.0, cov = 0.1 }} }}
 velocity = 10.0
 """
 SAMPLES = 1024

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from collections.abc import Iterator, Mapping
 from math import exp, isfinite
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.output import Answer, option, verb, writable
+from workbench.cli.output import Answer, option, processes, verb, writable
 from workbench.cli.simulate import PICTURES, ScenarioFile, Settings
 from workbench.content.tree import Block, Column, Paragraph, Table
 from workbench.errors import InputError
@@ -76,8 +75,7 @@ def fragility(
     Number(1e-3, 0.5).check("--half-width", half_width)
     Number(1.0, 1e6).check("--seconds", seconds)
     Number(0, 2**32 - 1, integer=True).check("--seed", seed)
-    count = os.cpu_count() or 1 if jobs is None else jobs
-    Number(1, 512, integer=True).check("--jobs", count)
+    count = processes(jobs)
     exceeded = limit_of(limit)
     uncertain = load_uncertain(scenario, settings or [])
     if VELOCITY in uncertain.names:

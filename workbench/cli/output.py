@@ -9,12 +9,17 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
 from workbench.content.tree import Block
+from workbench.datafiles import check_library
 from workbench.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 
 def option(text: str, default: Any = ..., metavar: str | None = None, flag: str = "") -> Any:
@@ -26,6 +31,7 @@ def option(text: str, default: Any = ..., metavar: str | None = None, flag: str 
     return typer.Option(default, *([flag] if flag else []), metavar=metavar, help=text)
 
 
+ENDINGS = ("csv", "nc", "parquet", "xlsx")  # of answers as a table
 Names = list[str] | None  # of an option that may be given more than once
 Json = Annotated[bool, option("Print one JSON object.", flag="--json")]
 
@@ -93,6 +99,24 @@ def verb(function: Callable[..., Answer]) -> Callable[..., int]:
     return answered
 
 
+def processes(jobs: int | None) -> int:
+    """How many processes a flag asks for; without it one for each core. Raises `InputError`."""
+    from workbench.fields import Number
+
+    count = os.cpu_count() or 1 if jobs is None else jobs
+    return int(Number(1, 512, integer=True).check("--jobs", count))
+
+
+def write_answers(target: Path, table: "pd.DataFrame", dataset: "xr.Dataset") -> None:
+    """Write answers as a `table`, or as the `dataset` of netCDF, by the ending."""
+    from workbench.study.store import to_netcdf_bytes, write_atomically
+    from workbench.study.tables import table_bytes
+
+    ending = target.suffix.lower()[1:]
+    content = to_netcdf_bytes(dataset) if ending == "nc" else table_bytes(table, ending)
+    write_atomically(target, content)
+
+
 def writable(flag: str, name: str, *endings: str, inputs: Iterable[str | None] = ()) -> Path:
     """A file that a flag names for output, which ends in one of `endings` and is no input.
 
@@ -114,8 +138,5 @@ def writable(flag: str, name: str, *endings: str, inputs: Iterable[str | None] =
     ending = path.suffix.lower()[1:]
     if ending not in endings:
         raise InputError(flag, name, f"must end in {' or '.join(endings)}")
-    if ending in ("parquet", "xlsx"):  # before the work, not after it
-        from workbench.study.tables import check_library
-
-        check_library(ending, flag)
+    check_library(ending, flag)  # before the work, not after it
     return path

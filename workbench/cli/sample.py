@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Iterator
 from hashlib import sha256
@@ -10,7 +9,16 @@ from pathlib import Path
 from shutil import rmtree
 from typing import TYPE_CHECKING, Any
 
-from workbench.cli.output import Answer, at_work, option, verb, writable
+from workbench.cli.output import (
+    ENDINGS,
+    Answer,
+    at_work,
+    option,
+    processes,
+    verb,
+    writable,
+    write_answers,
+)
 from workbench.cli.simulate import Options, ScenarioFile, Settings, pairs_of
 from workbench.content.tree import Block, Column, Paragraph, Table
 from workbench.errors import InputError
@@ -22,7 +30,6 @@ if TYPE_CHECKING:
     from workbench.uncertainty.sensitivity import Index
 
 MOST, MOST_ROWS = 10_000_000, 100_000  # samples; rows of a sensitivity: 0.7 GB
-ENDINGS = ("csv", "nc", "parquet", "xlsx")
 _SHARES = (0.05, 0.5, 0.95)
 Jobs = int | None
 
@@ -43,8 +50,8 @@ def sample(
 
     One model, one table, a row a sample. Samples are points of a scrambled Sobol sequence: those
     from --first on are the same whatever the number of samples or processes. An interrupted run
-    goes on where it was, if asked the same. Exit status 0 if all
-    survive or collapse, 1 if one has no answer (the table says why), 2 for bad input.
+    goes on where it was, if asked the same. Exit status 0 if all survive or collapse, 1 if one has
+    no answer (the table says why), 2 for bad input.
     """
     from workbench.fields import Number
     from workbench.registry import make_model
@@ -55,14 +62,14 @@ def sample(
     Number(1, MOST, integer=True).check("--samples", samples)
     Number(0, MOST, integer=True).check("--first", first)
     uncertain = _uncertain(scenario, settings, seed)
-    count = _jobs(jobs)
+    count = processes(jobs)
     chosen = make_model(model, pairs_of("--option", options))
     with at_work(f"{model}, {samples} samples, at work"):
         scores = uncertain.normal_scores(samples, (seed,), first)
         asked = to_toml(uncertain.base), Path(scenario).read_text(encoding="utf-8"), settings
         folder = _kept(target, asked, repr(chosen), chosen.version, seed, first)
         table = sample_answers(chosen, uncertain, scores, count, folder)
-    _write(target, table)
+    write_answers(target, table, table.rename_axis("sample").to_xarray())
     rmtree(folder)
     outcomes = {str(name): int(n) for name, n in table[OUTCOME].value_counts().items()}
     numbers = [name for name in table.columns if name not in (*uncertain.names, OUTCOME, FAILURE)]
@@ -111,7 +118,7 @@ def sensitivity(
     if not uncertain.independent:
         text = "makes indices of single inputs meaningless"
         raise InputError("correlation", "", text, "leave the table out")
-    chosen, count = make_model(model, pairs_of("--option", options)), _jobs(jobs)
+    chosen, count = make_model(model, pairs_of("--option", options)), processes(jobs)
     d = len(uncertain.inputs)
     scores = sobol_scores(2 * d, samples, (seed,))
     A, B = scores[:, :d], scores[:, d:]
@@ -161,13 +168,6 @@ def _uncertain(scenario: str, settings: list[str] | None, seed: int) -> Uncertai
     return uncertain
 
 
-def _jobs(jobs: Jobs) -> int:
-    from workbench.fields import Number
-
-    count = os.cpu_count() or 1 if jobs is None else jobs
-    return int(Number(1, 512, integer=True).check("--jobs", count))
-
-
 def _kept(target: Path, *asked: object) -> Path:
     """The folder beside the table that keeps its finished parts; of other questions it goes."""
     from workbench import __version__
@@ -184,17 +184,6 @@ def _kept(target: Path, *asked: object) -> Path:
         text = f"workbench: {finished} parts of an interrupted run are taken over"
         print(text, file=sys.stderr, flush=True)
     return folder
-
-
-def _write(target: Path, table: pd.DataFrame) -> None:
-    from workbench.study.store import to_netcdf_bytes, write_atomically
-    from workbench.study.tables import table_bytes
-
-    ending = target.suffix.lower()[1:]
-    if ending == "nc":
-        write_atomically(target, to_netcdf_bytes(table.rename_axis("sample").to_xarray()))
-    else:
-        write_atomically(target, table_bytes(table, ending))
 
 
 def _quantiles(values: pd.Series) -> dict[str, float | None]:

@@ -116,12 +116,13 @@ def simulate(
 
 def _write(target: Path, scenario: Scenario, response: Response) -> None:
     """Write a response as netCDF, or its deformed shapes."""
-    from workbench.report.vtk import write_shapes
-    from workbench.study.store import to_netcdf_bytes, write_atomically
-
     if target.suffix.lower() == ".pvd":
+        from workbench.report.vtk import write_shapes
+
         write_shapes(target, scenario, response)
     else:
+        from workbench.study.store import to_netcdf_bytes, write_atomically
+
         write_atomically(target, to_netcdf_bytes(response))
 
 

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from workbench.cli.output import Answer, Names, at_work, option, verb, writable
-from workbench.cli.sample import ENDINGS
+from workbench.cli.output import (
+    ENDINGS,
+    Answer,
+    Names,
+    at_work,
+    option,
+    processes,
+    verb,
+    writable,
+    write_answers,
+)
 from workbench.cli.simulate import PICTURES, ScenarioFile, Settings
 from workbench.content.tree import Block, Column, Paragraph, Table
 from workbench.errors import InputError
@@ -38,18 +46,14 @@ def sweep(
     bad input.
     """
     from workbench.desk.sweeps import sweep as swept
-    from workbench.fields import Number
     from workbench.scenarios import load_scenario
-    from workbench.study.store import to_netcdf_bytes, write_atomically
-    from workbench.study.tables import table_bytes
 
     files = [scenario, cases]
     target = None if out is None else writable("--out", out, *ENDINGS, inputs=files)
     picture = None if plot is None else writable("--plot", plot, *PICTURES, inputs=files)
     if bool(over) == bool(cases):
         raise InputError("--over", None, "must be given, or --cases, and not both")
-    count = os.cpu_count() or 1 if jobs is None else jobs
-    Number(1, 512, integer=True).check("--jobs", count)
+    count = processes(jobs)
     pairs = [_values(text) for text in over or ()]
     values = dict(pairs)
     if len(values) < len(pairs):
@@ -61,9 +65,7 @@ def sweep(
         answers = swept(given, varied, model or (), count, cases=rows_of_cases)
     table = answers.to_dataframe().reset_index()
     if target is not None:
-        ending = target.suffix.lower()[1:]
-        whole = to_netcdf_bytes(answers) if ending == "nc" else table_bytes(table, ending)
-        write_atomically(target, whole)
+        write_answers(target, table, answers)
     if picture is not None:
         from workbench.report.drawing.charts import draw_sweep
 

@@ -130,8 +130,9 @@ def _coordinate(tables: Mapping[str, Any], key: str, values: list[Any]) -> list[
     """Values as the scenario reads them: numbers with a unit in SI."""
     read = []
     for value in values:
-        built, at = _with(tables, {key: value}), value
-        if not isinstance(built, InputError) and isinstance(value, str):
+        at = value
+        built = _with(tables, {key: value}) if isinstance(value, str) else None
+        if built is not None and not isinstance(built, InputError):
             part: Any = tomllib.loads(to_toml(built))
             for name in key.split("."):
                 part = part.get(name, value) if isinstance(part, dict) else value

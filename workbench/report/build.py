@@ -8,6 +8,7 @@ from workbench.content import tree
 from workbench.content.documents import render_html, render_markdown, render_pdf
 from workbench.content.formatting import count
 from workbench.content.tree import Document, Picture, Section
+from workbench.datafiles import check_library
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.report.chapters import (
@@ -26,7 +27,7 @@ from workbench.report.gallery import draw_all, save_all, save_png
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 from workbench.study.store import own_directory, write_atomically
-from workbench.study.tables import check_library, table_bytes, workbook_bytes
+from workbench.study.tables import table_bytes, workbook_bytes
 
 _FORMAT = Choice(("html", "pdf", "xlsx", "parquet"))
 # figures of these kinds stand in chapters of their own

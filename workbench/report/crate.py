@@ -5,6 +5,8 @@ Source: RO-Crate Metadata Specification 1.1 (Sefton et al. 2021), which describe
 
 import hashlib
 import io
+import json
+import re
 import zipfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -93,7 +95,7 @@ def _graph(
         "@type": "Dataset",
         "name": study.title,
         "description": study.question,
-        "datePublished": _newest(stored),
+        "datePublished": _newest(files),
         "hasPart": _links(sorted(entities)),
         "mentions": [{"@id": "#report"}],
     }
@@ -137,10 +139,9 @@ def _programs(stored: Stored) -> Iterator[dict[str, Any]]:
         }
 
 
-def _newest(stored: Stored) -> str:
+def _newest(files: Mapping[str, bytes]) -> str:
     """The day on which the last cell was answered."""
-    store = Store(stored.directory)
-    records = (store.record(cell.key) for cell in stored.cells.values() if cell.key)
+    records = (json.loads(files[n]) for n in files if re.fullmatch(r"cells/.*\.json", n))
     return str(max((record.get("finished", "") for record in records), default=""))[:10]
 
 

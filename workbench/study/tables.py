@@ -4,7 +4,6 @@ import io
 import json
 from collections.abc import Iterable, Mapping
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 from types import NoneType
 from typing import Any
@@ -13,7 +12,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from workbench.errors import InputError
+from workbench.datafiles import check_library
 from workbench.study.store import read_netcdf, to_netcdf_bytes, write_atomically
 
 Row = Mapping[str, Any]
@@ -63,17 +62,6 @@ def rows_of(table: pd.DataFrame) -> list[dict[str, Any]]:
 def csv_bytes(table: pd.DataFrame) -> bytes:
     """A table as CSV: numbers keep all digits, unknown ones are empty, lists JSON."""
     return _plain_lists(table).to_csv(index=False, lineterminator="\n").encode()
-
-
-LIBRARIES = {"parquet": "pyarrow", "xlsx": "openpyxl"}  # of the extra `tables`, by ending
-
-
-def check_library(ending: str, field: str) -> None:
-    """Refuse an ending whose library is not installed. Raises `InputError`."""
-    library = LIBRARIES.get(ending)
-    if library is not None and find_spec(library) is None:
-        reason = f"needs {library}, which is not installed"
-        raise InputError(field, ending, reason, "pip install 'workbench[tables]'")
 
 
 def table_bytes(table: pd.DataFrame, ending: str) -> bytes:

@@ -77,7 +77,8 @@ def sample_answers(
     parts = [(k, scores[k : k + CHUNK]) for k in range(0, len(scores), CHUNK)]
     with Processes(jobs) as run:
         tables = run(_Part(model, uncertain, folder).answer, parts)
-    answers: pd.DataFrame = pd.concat(tables, ignore_index=True)
+    whole: pd.DataFrame = pd.concat(tables, ignore_index=True)
+    answers = whole[[*(name for name in SCALARS if name in whole), OUTCOME, FAILURE]]
     values = {".".join(map(str, path)): column for path, column in uncertain.values(scores).items()}
     inputs = pd.DataFrame(values).infer_objects()
     return pd.concat([inputs, answers], axis=1)
