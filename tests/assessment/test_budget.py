@@ -23,13 +23,16 @@ from workbench.assessment.budget import (
     varied_term,
 )
 from workbench.assessment.variations import (
+    RATED,
     SPREADS,
+    STATIC,
     Budget,
     rate_law,
 )
 from workbench.errors import InputError
 from workbench.materials import GRADES, CowperSymonds
 from workbench.models.strain_rate import with_rate
+from workbench.references.fiber_reissner import FiberReissner
 from workbench.responses import build_response
 from workbench.scenarios import ColumnImpact, ColumnPushover
 
@@ -70,7 +73,10 @@ def test_a_varied_input_may_end_in_a_collapse_or_without_an_answer() -> None:
 
 def test_an_input_is_varied_with_all_that_hangs_on_it(thesis_impact: ColumnImpact) -> None:
     runs = Budget("", ()).variations(thesis_impact)
-    assert len(runs) == 2 * len(SPREADS) + 3
+    assert len(runs) == 2 * len(SPREADS) + 1 + 2 * len(SPREADS) + 2  # the real column, both ends
+    real = runs[f"{RATED}, yield_stress +5 %"].column
+    assert real.steel.rate == runs[RATED].column.steel.rate == GRADES["S355"][1]
+    assert real.steel.yield_stress == pytest.approx(1.05 * 355e6)
     strong, given = runs["yield_stress +5 %"].column, thesis_impact.column
     assert strong.steel.yield_stress == pytest.approx(1.05 * given.steel.yield_stress)
     assert strong.plastic_moment == pytest.approx(1.05 * (given.plastic_moment or 0.0))
@@ -97,11 +103,14 @@ def test_what_is_open_is_the_sensitivity_of_the_steel(thesis_impact: ColumnImpac
     """Without a law that of the grade with the nearest yield stress; with one its D alone."""
     assert rate_law(thesis_impact) == GRADES["S355"][1]
     runs = Budget("", ()).variations(thesis_impact)
-    laws = [runs[name].column.steel.rate for name in ("rate", "rate slow", "rate fast")]
+    names = (RATED, f"{RATED}, rate slow", f"{RATED}, rate fast")
+    laws = [runs[name].column.steel.rate for name in names]
     assert [law.reference_rate for law in laws if law] == [500.0, 100.0, 7000.0]
+    assert "rate slow" not in runs  # the static yield stress has no D
     measured = with_rate(thesis_impact, CowperSymonds(40.4, 5.0))
-    assert not [name for name in Budget("", ()).variations(measured) if name.startswith("rate")]
+    assert not [name for name in Budget("", ()).variations(measured) if "rate" in name]
     graded = with_rate(thesis_impact, GRADES["S235"][1])
+    assert RATED not in Budget("", ()).variations(graded)
     runs = {
         name: answered(graded, peak) for name, peak in (("rate slow", 0.09), ("rate fast", 0.12))
     }
@@ -125,38 +134,73 @@ def answered(scenario: ColumnImpact, peak: float = 0.1, **scalars: float):
 
 def test_the_terms_of_an_answer(thesis_impact: ColumnImpact) -> None:
     model, budget = Spring(), Budget("", ())
-    runs = {name: model.simulate(each) for name, each in budget.variations(thesis_impact).items()}
-    answer = model.simulate(thesis_impact)
-    answer.attrs["error"] = answered(thesis_impact).attrs["error"]
-    for name, share in (("rate", 0.8), ("rate slow", 0.7), ("rate fast", 0.9)):
-        runs[name] = answered(thesis_impact, share * float(answer[PEAK]))
-    terms = {term.name: term for term in budget.terms(thesis_impact, answer, runs)[PEAK]}
+    real = with_rate(thesis_impact, GRADES["S355"][1])
+    runs = {name: model.simulate(each) for name, each in budget.variations(real).items()}
+    answer = model.simulate(real)
+    answer.attrs["error"] = answered(real).attrs["error"]
+    for name, share in (("rate slow", 0.7), ("rate fast", 0.9)):
+        runs[name] = answered(real, share * float(answer[PEAK]))
+    terms = {term.name: term for term in budget.terms(real, answer, runs)[PEAK]}
     assert list(terms)[:2] == [NUMERICAL, MODEL_FORM]
     assert list(terms)[-3:] == [RATE, REFERENCE, TOTAL]
     assert terms["velocity ±5 %"].high == pytest.approx(0.05)
     assert terms["mass ±5 %"].low == pytest.approx(sqrt(0.95) - 1.0)
-    assert (terms[RATE].low, terms[RATE].high) == (pytest.approx(-0.3), pytest.approx(-0.1))
-    assert expm1(terms[RATE].shift) == pytest.approx(-0.2)
+    assert (terms[RATE].low, terms[RATE].high) == (pytest.approx(-0.3), 0.0)
     form, total = terms[MODEL_FORM], terms[TOTAL]
     assert expm1(form.shift) == pytest.approx(1.0 / 0.8 - 1.0)
     assert (form.low, form.high) == (pytest.approx(1.0 / 0.96 - 1), pytest.approx(1.0 / 0.72 - 1))
     assert (terms[REFERENCE].low, terms[REFERENCE].high) == (form.low, form.high)
     assert total.low < form.low
-    assert total.shift == form.shift + terms[RATE].shift
+    assert total.shift == form.shift  # the range of D moves nothing
+    assert RATE not in {t.name for t in budget.terms(thesis_impact, answer, runs)[PEAK]}
 
 
-@pytest.mark.parametrize("lost", ["rate", "mass -5 %", MODEL_FORM])
+def test_the_real_column_stands_beside_the_static_yield_stress(thesis_impact: ColumnImpact) -> None:
+    """Two budgets, each with an answer, a model form and inputs of its own; D once."""
+    budget = Budget("", ())
+    peaks = {RATED: 0.08, f"{RATED}, rate slow": 0.07, f"{RATED}, rate fast": 0.09}
+    peaks[f"{RATED}, velocity +5 %"] = 0.1
+    runs = {
+        name: answered(each, peaks.get(name, 0.08 if name.startswith(RATED) else 0.1))
+        for name, each in budget.variations(thesis_impact).items()
+    }
+    rows = list(budget.rows(thesis_impact, answered(thesis_impact), runs))
+    assert list(dict.fromkeys(row["form"] for row in rows)) == [RATED, STATIC]
+    real, static = ({r["term"]: r for r in rows if r["form"] == form} for form in (RATED, STATIC))
+    assert (real[TOTAL]["value"], static[TOTAL]["value"]) == (0.08, 0.1)
+    assert set(real) - set(static) == {RATE}
+    assert real[RATE]["least"] == pytest.approx(0.07)
+    assert real["velocity ±5 %"]["most"] == pytest.approx(0.1)
+    assert static["velocity ±5 %"]["most"] == pytest.approx(0.1)
+    assert real[MODEL_FORM]["most"] == pytest.approx(0.08 / 0.72)
+    runs[RATED].attrs["error"] = json.dumps({"expected": None, "reason": "not measured here"})
+    rows = list(budget.rows(thesis_impact, answered(thesis_impact), runs))
+    assert [row["form"] for row in rows if row["term"] == TOTAL] == [STATIC]
+    graded = with_rate(thesis_impact, GRADES["S355"][1])
+    rows = list(budget.rows(graded, answered(graded), {}))
+    assert {row["form"] for row in rows} == {RATED}
+
+
+@pytest.mark.parametrize("lost", ["rate slow", "mass -5 %", MODEL_FORM])
 def test_without_a_part_there_is_no_total(thesis_impact: ColumnImpact, lost: str) -> None:
     model, budget = Spring(), Budget("", ())
-    runs = {name: model.simulate(each) for name, each in budget.variations(thesis_impact).items()}
-    answer = answered(thesis_impact)
+    real = with_rate(thesis_impact, GRADES["S355"][1])
+    runs = {name: model.simulate(each) for name, each in budget.variations(real).items()}
+    answer = answered(real)
     runs.pop(lost, None)
     if lost == MODEL_FORM:
         answer.attrs["error"] = json.dumps({"expected": None, "reason": "not measured here"})
-    names = {term.name: term for term in budget.terms(thesis_impact, answer, runs)[PEAK]}
+    names = {term.name: term for term in budget.terms(real, answer, runs)[PEAK]}
     assert TOTAL not in names
     assert (REFERENCE in names) == (lost != MODEL_FORM)
     assert names[MODEL_FORM].known == (lost != MODEL_FORM)
+
+
+def test_the_real_column_is_answered_with_its_numerical_uncertainty() -> None:
+    """Its variations are differences: references answer them on one mesh."""
+    budget, reference = Budget("", ()), FiberReissner(levels=3)
+    assert budget.solver(RATED, reference).levels == 3
+    assert budget.solver(f"{RATED}, rate slow", reference).levels == 1
 
 
 def test_a_varied_run_may_collapse(thesis_impact: ColumnImpact) -> None:
@@ -165,7 +209,6 @@ def test_a_varied_run_may_collapse(thesis_impact: ColumnImpact) -> None:
     answer = answered(thesis_impact)
     terms = {t.name: t for t in Budget("", ()).terms(thesis_impact, answer, runs)[PEAK]}
     assert terms["velocity ±5 %"].high == inf
-    assert not terms[RATE].known
     fallen = Troubled("collapse").simulate(thesis_impact)
     assert Budget("", ()).terms(thesis_impact, fallen, runs) == {}
 

@@ -9,6 +9,7 @@ import pytest
 from toy_models import Spring
 
 from workbench.assessment.budget import TOTAL
+from workbench.assessment.variations import RATED, STATIC
 from workbench.content.terminal import render_text
 from workbench.errors import InputError
 from workbench.report.chapters.answer import in_brief
@@ -41,7 +42,8 @@ def stored(thesis_impact: ColumnImpact, tmp_path_factory: pytest.TempPathFactory
 
 def test_varied_runs_are_stored_and_compared_with_nothing_else(stored: Stored) -> None:
     cells = cells_of(stored.study)
-    assert len(cells) == 2 * 2 + 2 * 9  # 3 inputs both ways, the rate and both ends of it
+    # 3 inputs both ways; the real column, its inputs, and both ends of D
+    assert len(cells) == 2 * 2 + 2 * (6 + 1 + 6 + 2)
     assert all(Store(stored.directory).holds(cell.key) for cell in cells)
     for name in ("cells", "comparisons", "references", "matrix", "findings"):
         table = pd.read_csv(stored.directory / "tables" / f"{name}.csv")
@@ -49,7 +51,9 @@ def test_varied_runs_are_stored_and_compared_with_nothing_else(stored: Stored) -
 
 
 def test_the_terms_are_a_table(stored: Stored) -> None:
-    rows = [row for row in stored.rows["budget"] if row["label"] == "soft"]
+    named = [row for row in stored.rows["budget"] if row["label"] == "soft"]
+    assert list(dict.fromkeys(row["form"] for row in named)) == [RATED, STATIC]
+    rows = [row for row in named if row["form"] == RATED]
     assert [row["term"] for row in rows][2] == "velocity ±5 %"
     assert rows[2]["high"] == pytest.approx(0.05)
     assert rows[2]["most"] == pytest.approx(1.05 * rows[2]["value"])
@@ -63,12 +67,14 @@ def test_the_report_shows_the_budget(stored: Stored) -> None:
     request = Request(study, figure, stored, study.cases, figure.models, looks(study))
     drawing = draw(request)
     assert set(drawing.data["label"]) == {"soft", "stiff"}
-    assert len(drawing.data) == len(stored.rows["budget"])
+    assert set(drawing.data["form"]) == {RATED}
     other = replace(figure, options={"case": "slow"})
     assert draw(replace(request, figure=other)).canvas is None
     said = render_text(*budgets(stored, {"hit": "soft", "slow": "stiff"}))
-    assert said.startswith("With total uncertainty, hit, soft: peak displacement ")
-    terms = {row["term"] for row in stored.rows["budget"] if row["label"] == "soft"}
+    assert said.startswith("With total uncertainty, hit, soft: peak displacement with strain rate ")
+    assert "; at the static yield stress " in said
+    soft = [row for row in stored.rows["budget"] if row["label"] == "soft"]
+    terms = {row["term"] for row in soft if row["form"] == RATED}
     assert (", 90 %), most of it by" in said) == (TOTAL in terms)
     assert ("without an interval, as parts are not known: model form (" in said) == (
         TOTAL not in terms

@@ -2,15 +2,17 @@
 
 Inputs are varied one at a time, both ways. What is not known of the strain rate is how sensitive
 the steel is: the reference rate D of its law, between the ends of 90 % of the steels. Where the
-scenario has no rate law, the answer moves to that of the grade with the nearest yield stress.
+scenario has no rate law there are two budgets: one with the static yield stress, as it is given,
+and one of the real column, whose steel has the law of the grade with the nearest yield stress.
+Hardening is no term: beside a rate it is worth little, and both effects do not add.
 """
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from math import inf, isinf, log
-from typing import Any
+from math import inf
+from typing import Any, TypeVar
 
 from workbench.assessment.budget import (
     PEAK,
@@ -28,6 +30,7 @@ from workbench.assessment.budget import (
 from workbench.errors import InputError
 from workbench.fields import Number, check_keys
 from workbench.materials import GRADES, CowperSymonds
+from workbench.models.base import on_one_mesh
 from workbench.models.strain_rate import with_rate
 from workbench.responses import Response, survives
 from workbench.responses.uncertainty import WIDTHS, uncertainty_of
@@ -35,8 +38,10 @@ from workbench.scenarios import ColumnImpact
 
 # half-widths of what is known of an input, 90 % intervals, where a user gives no others
 SPREADS = {"velocity": 0.05, "mass": 0.05, "yield_stress": 0.05, "restraint_stiffness": 0.05}
+M = TypeVar("M")
 _SPREAD = Number(0.0, 0.9)
-_RATES = "rate", "rate slow", "rate fast"  # the law itself, and D at both ends
+STATIC, RATED = FORMS = "at the static yield stress", "with strain rate"
+_ENDS = "rate slow", "rate fast"  # D at both ends
 _GIVEN = "one input varied, both ways"
 
 
@@ -58,15 +63,40 @@ class Budget:
             _SPREAD.check(f"spread.{name}", share)
 
     def variations(self, scenario: Any) -> dict[str, ColumnImpact]:
-        """The varied scenarios by name. Raises `InputError` for what is no impact on a column."""
+        """The varied scenarios by name. Raises `InputError` for what is no impact on a column.
+
+        Where the steel has no rate law, the scenario with that of its grade too, under the name
+        `RATED`, and varied as well.
+        """
         if not isinstance(scenario, ColumnImpact):
             raise InputError("budget", scenario.KIND, f"is for {ColumnImpact.KIND} alone")
+        varied = self._varied(scenario)
+        if scenario.column.steel.rate is None:
+            real = with_rate(scenario, rate_law(scenario))
+            varied[RATED] = real
+            varied |= {_rated(name): each for name, each in self._varied(real).items()}
+        return varied
+
+    def _varied(self, scenario: ColumnImpact) -> dict[str, ColumnImpact]:
+        """The scenario with its inputs and its rate law varied, one at a time."""
         varied = {}
         for name, share in self.shares(scenario).items():
             for sign in (-1.0, 1.0):
                 factor = 1.0 + sign * share
                 varied[_key(name, sign * share)] = _VARY[name](scenario, factor)
-        return {**varied, **_rate_variations(scenario)}
+        law = scenario.column.steel.rate
+        if law is not None and law.slow is not None and law.fast is not None:
+            for name, rate in zip(_ENDS, (law.slow, law.fast), strict=True):
+                end = replace(law, reference_rate=rate, slow=None, fast=None)
+                varied[name] = with_rate(scenario, end)
+        return varied
+
+    def solver(self, name: str, model: M) -> M:
+        """The model that answers the variation of this name: references do it on one mesh.
+
+        The scenario `RATED` has a budget of its own, with its numerical uncertainty.
+        """
+        return model if name == RATED else on_one_mesh(model)
 
     def shares(self, scenario: ColumnImpact) -> dict[str, float]:
         """Half-widths of the inputs that count in a scenario."""
@@ -75,6 +105,29 @@ class Budget:
             del shares["restraint_stiffness"]
         return {name: share for name, share in shares.items() if share}
 
+    def rows(
+        self, scenario: ColumnImpact, answer: Response, varied_answers: Mapping[str, Response]
+    ) -> Iterator[dict[str, Any]]:
+        """The budgets of an answer as rows: `form`, `quantity`, `value`, and those of `Term`.
+
+        One with the steel of the scenario and, where that has no rate law, one of the real column.
+        Arguments as of `terms`; the answer `RATED` carries the error to expect of it too.
+        """
+        given = scenario.column.steel.rate is not None
+        budgets = {RATED if given else STATIC: (scenario, answer, varied_answers)}
+        if RATED in varied_answers:
+            real = with_rate(scenario, rate_law(scenario))
+            names = {name: _rated(name) for name in self._varied(real)}
+            known = {k: varied_answers[n] for k, n in names.items() if n in varied_answers}
+            budgets[RATED] = real, varied_answers[RATED], known
+        for form in reversed(FORMS):
+            if form not in budgets:
+                continue
+            for quantity, terms in self.terms(*budgets[form]).items():
+                value = float(budgets[form][1][quantity])
+                who = {"form": form, "quantity": quantity, "value": value}
+                yield from ({**who, **term.as_dict(value)} for term in terms)
+
     def terms(
         self, scenario: ColumnImpact, answer: Response, varied_answers: Mapping[str, Response]
     ) -> dict[str, list[Term]]:
@@ -82,7 +135,7 @@ class Budget:
 
         Arguments: the `answer` to the `scenario`, with the error to expect of it (`advised`);
         `varied_answers` by the names of `variations` (absent: no answer). Where a part is not
-        known there is no total.
+        known there is no total. The strain rate is a part where the steel has a law.
         """
         peak = _value(answer, PEAK)
         error = json.loads(answer.attrs.get("error", "{}"))
@@ -99,7 +152,10 @@ class Budget:
                 for name, share in self.shares(scenario).items()
                 for ends in [[at(_key(name, -share)), at(_key(name, share))]]
             ]
-            parts = [form, *inputs, _rate_term(scenario, value, [at(name) for name in _RATES])]
+            parts = [form, *inputs]
+            if scenario.column.steel.rate is not None:
+                ends = [at(name) for name in _ENDS]
+                parts.append(_rate_term(scenario.column.steel.rate, value, ends))
             sums = [
                 together(name, of)
                 for name, of in ((REFERENCE, parts[:1]), (TOTAL, parts))
@@ -114,17 +170,6 @@ def rate_law(scenario: ColumnImpact) -> CowperSymonds:
     steel = scenario.column.steel
     nearest = min(GRADES.values(), key=lambda grade: abs(grade[0] - steel.yield_stress))
     return steel.rate or nearest[1]
-
-
-def _rate_variations(scenario: ColumnImpact) -> dict[str, ColumnImpact]:
-    law = rate_law(scenario)
-    laws: dict[str, CowperSymonds] = {}
-    if scenario.column.steel.rate is None:
-        laws[_RATES[0]] = law
-    if law.slow is not None and law.fast is not None:
-        for name, rate in zip(_RATES[1:], (law.slow, law.fast), strict=True):
-            laws[name] = replace(law, reference_rate=rate, slow=None, fast=None)
-    return {name: with_rate(scenario, each) for name, each in laws.items()}
 
 
 def _stronger(scenario: ColumnImpact, factor: float) -> ColumnImpact:
@@ -153,19 +198,18 @@ def _key(name: str, share: float) -> str:
     return f"{name} {100 * share:+g} %"
 
 
-def _rate_term(scenario: ColumnImpact, value: float, answers: Sequence[float | None]) -> Term:
-    """What the rate law of the steel leaves open; it moves an answer that has none."""
-    law, given = rate_law(scenario), scenario.column.steel.rate is not None
+def _rated(name: str) -> str:
+    return f"{RATED}, {name}"
+
+
+def _rate_term(law: CowperSymonds, value: float, answers: Sequence[float | None]) -> Term:
+    """What the rate law of the steel leaves open, by the `answers` at both ends of its D."""
     if law.slow is None or law.fast is None:
         text = "the 90 % interval of D is not given (D_range)"
         return Term(RATE, text, "", 0.0, None, None)
-    middle, *ends = (value, *answers[1:]) if given else answers
-    term = varied_term(RATE, middle or value, ends, "[@cowper-symonds1957]")
-    if middle is None or not term.known:
-        return replace(term, below=None, above=None)
-    text = f"D {law.slow:g} to {law.fast:g} 1/s" + ("" if given else "; the answer knows no rate")
-    reason = "; ".join(filter(None, (text, term.reason)))
-    return replace(term, reason=reason, shift=0.0 if isinf(middle) else log(middle / value))
+    term = varied_term(RATE, value, answers, "[@cowper-symonds1957]")
+    reason = "; ".join(filter(None, (f"D {law.slow:g} to {law.fast:g} 1/s", term.reason)))
+    return replace(term, reason=reason)
 
 
 def _value(answer: Response | None, quantity: str) -> float | None:

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from workbench.responses import Response
     from workbench.scenarios import Scenario
 
-    Budgeted = dict[str, list[dict[str, Any]]]  # rows of terms and sums by quantity
-
 _KIND = "numerical"  # what stands after ±
 
 ScenarioFile = Annotated[str, typer.Argument(metavar="SCENARIO.toml", help="Scenario file.")]
@@ -61,7 +59,7 @@ def simulate(
     is inside its domain; several models stand in one table. Exit status 0 if the model answered
     (collapse is an answer), 1 if one did not (it says why), 2 for bad input.
     """
-    from workbench.assessment.variations import Budget
+    from workbench.assessment.variations import RATED, STATIC, Budget
     from workbench.desk.answers import Comparison, asked, simulate
     from workbench.desk.summary import as_object
     from workbench.evidence.advice import quick_reference
@@ -107,8 +105,11 @@ def simulate(
 
         asked_model = asked(first.attrs["model"], **values)
         terms = _budgeted(errors, asked_model, given, first)
-        content["budget"] = {q: list(map(_plain, rows)) for q, rows in terms.items()}
-        shown += simulated({quantity: float(first[quantity]) for quantity in terms}, terms)
+        for name, form in (("budget", RATED), ("budget_static", STATIC)):
+            content[name] = {}
+            for row in (_plain(row) for row in terms if row["form"] == form):
+                content[name].setdefault(row["quantity"], []).append(row)
+        shown += simulated(terms)
     written = {"response": target, "picture": picture}
     shown += [Paragraph(f"The {what} is in {file}.") for what, file in written.items() if file]
     return Answer(content, shown, int(not outcome_of(first).is_answer))
@@ -262,17 +263,22 @@ def _struck(answer: dict[str, Any]) -> Iterator[tuple[str, str]]:
             yield f"axial force in the struck {member}, tension positive", " to ".join(ends)
 
 
-def _budgeted(budget: Budget, model: Model, scenario: Scenario, answer: Response) -> Budgeted:
-    """The error budget of an answer; the model answers the varied scenarios.
+def _budgeted(
+    budget: Budget, model: Model, scenario: Scenario, answer: Response
+) -> list[dict[str, Any]]:
+    """The rows of the error budgets of an answer; the model answers the varied scenarios.
 
     Raises `InputError` if the scenario is no impact on a column.
     """
-    from workbench.models.base import on_one_mesh
+    from workbench.assessment.variations import RATED
+    from workbench.evidence.advice import advised
 
-    runs, alone = budget.variations(scenario), on_one_mesh(model)
-    varied = {name: alone.simulate(each) for name, each in runs.items()}
-    terms = budget.terms(scenario, answer, varied)  # type: ignore[arg-type]
-    return {q: [term.as_dict(float(answer[q])) for term in each] for q, each in terms.items()}
+    varied = {}
+    for name, each in budget.variations(scenario).items():
+        varied[name] = budget.solver(name, model).simulate(each)
+        if name == RATED:
+            varied[name] = advised(model, each, varied[name])
+    return list(budget.rows(scenario, answer, varied))  # type: ignore[arg-type]
 
 
 def _plain(row: dict[str, Any]) -> dict[str, Any]:

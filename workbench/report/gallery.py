@@ -43,9 +43,8 @@ _STANDARD = {
 _BUDGETED = "What the errors may make of the answers"
 _BUDGET = (
     "Each bar is one source of error by itself; blue bars are sums. A white line shows where a "
-    "measured bias moves the answer. Numerical errors, model form and inputs add in quadrature "
-    "about it; strain rate, which the models leave out, can only make the answer smaller, and its "
-    "estimate adds in full."
+    "measured bias moves the answer. Model form, which holds the numerical part, inputs and the "
+    "range of D of the rate law of the steel add in quadrature about it."
 )
 
 

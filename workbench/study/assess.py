@@ -93,7 +93,7 @@ _COMPARISON = (
     | numbers("low", "high")
 )
 _BUDGET = (
-    texts("case", "label", "quantity")
+    texts("case", "label", "form", "quantity")
     | numbers("value")
     | texts("term")
     | numbers("shift", "low", "high", "least", "most")
@@ -263,7 +263,7 @@ def _widths(answers: Answers, label: str) -> Row:
 def _budget_rows(
     study: Study, cells: Sequence[Cell], read: Mapping[str, Response]
 ) -> Iterator[Row]:
-    """A row for every term and sum of every budget, per label and quantity."""
+    """A row for every term and sum of every budget, per label, form and quantity."""
     runs = {(cell.case, cell.label): read[cell.key] for cell in cells if cell.key in read}
     for budget in study.budgets:
         scenario: Any = next(case.scenario for case in study.cases if case.name == budget.case)
@@ -273,8 +273,5 @@ def _budget_rows(
                 continue
             response = runs[budget.case, label]
             varied = {k: runs[name, label] for k, name in names.items() if (name, label) in runs}
-            by_quantity = budget.terms(scenario, response, varied)
-            for quantity, terms in by_quantity.items():
-                who = {"case": budget.case, "label": label, "quantity": quantity}
-                value = float(response[quantity])
-                yield from ({**who, "value": value, **term.as_dict(value)} for term in terms)
+            who = {"case": budget.case, "label": label}
+            yield from ({**who, **row} for row in budget.rows(scenario, response, varied))

@@ -21,7 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from workbench.errors import InputError, message_of
 from workbench.evidence.advice import advised
-from workbench.models.base import Model, on_one_mesh, options_of, signature
+from workbench.models.base import Model, options_of, signature
 from workbench.responses import Outcome, Response, failed_response, outcome_of, provenance
 from workbench.responses.uncertainty import check_stored
 from workbench.responses.variables import TABLE_DIGEST, TIMES, VOLATILE
@@ -110,9 +110,7 @@ def cells_of(study: Study) -> list[Cell]:
             raise InputError(field, type(model).__name__, text, advice) from error
     cells = []
     triples = [(case, label, study.models[label]) for case, label in study.cells()]
-    for case, label in study.varied_cells():
-        triples.append((case, label, on_one_mesh(study.models[label])))
-    for case, label, model in triples:
+    for case, label, model in [*triples, *study.varied_cells()]:
         ingredients = ingredients_of(case.scenario, model)
         cells.append(Cell(case.name, label, case.scenario, model, ingredients, key_of(ingredients)))
     if not cells:

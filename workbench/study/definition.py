@@ -198,8 +198,8 @@ class Study:
             if case.scenario.KIND in self.models[label].answers:
                 yield case, label
 
-    def varied_cells(self) -> Iterator[tuple[Case, str]]:
-        """The varied runs of all budgets, as cases of their own with every label of the budget.
+    def varied_cells(self) -> Iterator[tuple[Case, str, Model]]:
+        """The varied runs of all budgets: cases of their own, every label, who answers as it.
 
         Raises `InputError` for a budget of what is no impact on a column.
         """
@@ -207,7 +207,8 @@ class Study:
             scenario = next(case.scenario for case in self.cases if case.name == budget.case)
             for key, varied in budget.variations(scenario).items():
                 case = Case(varied_case(budget.case, key), varied)
-                yield from ((case, label) for label in budget.models)
+                for label in budget.models:
+                    yield case, label, budget.solver(key, self.models[label])
 
     def unsupported(self) -> dict[tuple[str, str], list[str]]:
         """Cases of kinds that the model of a label does not answer.

@@ -1,6 +1,6 @@
 """Total uncertainty of an answer: sentences and tables."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from math import floor, isfinite
 from typing import Any
@@ -13,6 +13,7 @@ from workbench.report.stored import Stored
 
 Row = Mapping[str, Any]
 PAGE = Page(__file__)
+_WHO = ("form", "quantity", "value")
 _BAR = 41  # characters
 _LEAST = 0.05  # of the answer, to which bars reach at least
 _COVERAGE = f"{100 * COVERAGE:g} %"
@@ -20,46 +21,48 @@ _COVERAGE = f"{100 * COVERAGE:g} %"
 
 def budgets(stored: Stored, taken: Mapping[str, str]) -> tuple[Block, ...]:
     """A sentence on the peak of the first answer with a budget by the model `taken` in its case."""
-    for (case, label, quantity), rows in _groups(stored).items():
+    for (case, label, quantity), forms in _groups(stored.rows["budget"], "case", "label").items():
         if quantity == PEAK and taken.get(case) == label:
-            sentence = budget_sentence(rows[0]["value"], quantity, rows)
-            return PAGE.blocks("first_page", case=case, label=label, sentence=sentence)
+            return PAGE.blocks("first_page", case=case, label=label, sentence=headline(forms))
     return ()
 
 
 def budget_tables(stored: Stored) -> Section | None:
     """Every term with its reason; None without a budget."""
     tables = [
-        (case, label, budget_table(f"budget-terms-{number}", quantity, rows[0]["value"], rows))
-        for number, ((case, label, quantity), rows) in enumerate(_groups(stored).items(), 1)
+        (case, label, [budget_table(f"budget-terms-{number}-{i}", rows) for i, rows in each])
+        for number, ((case, label, _), forms) in enumerate(
+            _groups(stored.rows["budget"], "case", "label").items(), 1
+        )
+        for each in [enumerate(forms, 1)]
     ]
     return PAGE.section("budgets", tables=tables)
 
 
-def simulated(values: Mapping[str, float], terms: Mapping[str, Sequence[Row]]) -> tuple[Block, ...]:
-    """The budgets of one answer by quantity, with bars; `values` of the answer."""
+def simulated(rows: Iterable[Row]) -> tuple[Block, ...]:
+    """The budgets of one answer by quantity, with bars."""
     entries = [
         (
-            budget_sentence(values[quantity], quantity, rows),
-            budget_table(quantity, quantity, values[quantity], rows, bars=True),
+            headline(forms),
+            [budget_table(f"{quantity}-{i}", rows, bars=True) for i, rows in enumerate(forms, 1)],
         )
-        for quantity, rows in terms.items()
+        for (quantity,), forms in _groups(rows).items()
     ]
     return PAGE.blocks("simulated", entries=entries)
 
 
-def _groups(stored: Stored) -> dict[tuple[str, str, str], list[Row]]:
-    """Rows of the table by case, label and quantity."""
-    groups: dict[tuple[str, str, str], list[Row]] = {}
-    for row in stored.rows["budget"]:
-        groups.setdefault((row["case"], row["label"], row["quantity"]), []).append(row)
-    return groups
+def _groups(rows: Iterable[Row], *keys: str) -> dict[tuple[str, ...], list[list[Row]]]:
+    """The budgets of each quantity, by these columns and the quantity: a list of each form."""
+    groups: dict[tuple[str, ...], dict[str, list[Row]]] = {}
+    for row in rows:
+        forms = groups.setdefault((*(row[key] for key in keys), row["quantity"]), {})
+        forms.setdefault(row["form"], []).append(row)
+    return {key: list(forms.values()) for key, forms in groups.items()}
 
 
-def budget_table(
-    key: str, quantity: str, value: float, rows: Sequence[Row], *, bars: bool = False
-) -> Table:
-    """Terms and sums of a quantity whose answer is `value` (SI), with `bars` or without."""
+def budget_table(key: str, rows: Sequence[Row], *, bars: bool = False) -> Table:
+    """Terms and sums of one form of the budget of a quantity, with `bars` or without."""
+    form, quantity, value = (rows[0][name] for name in _WHO)
     columns = [
         Column(
             "term",
@@ -78,7 +81,8 @@ def budget_table(
     if bars:
         columns.insert(4, Column("as a bar", True, of=partial(_bar, *scale(rows))))
     value_text = in_unit(value, quantity)
-    caption = PAGE.words("terms", quantity=quantity, value=value_text, coverage=_COVERAGE)
+    names = {"quantity": quantity, "form": form, "value": value_text}
+    caption = PAGE.words("terms", **names, coverage=_COVERAGE)
     return Table.of(key, caption, columns, rows)
 
 
@@ -99,27 +103,36 @@ def change(row: Row) -> str:
     return f"{low} to {high if isfinite(row['high']) else 'collapse'}"
 
 
-def budget_sentence(value: float, quantity: str, rows: Sequence[Row]) -> str:
-    """What a budget says, in one sentence: the answer, its interval, the largest part of that."""
+def headline(forms: Sequence[Sequence[Row]]) -> str:
+    """The budgets of a quantity in one sentence, the first form in full."""
+    parts = [_interval(rows) for rows in forms]
+    return PAGE.words("headline", parts=parts, coverage=_COVERAGE)
+
+
+def _interval(rows: Sequence[Row]) -> dict[str, Any]:
+    """What a form of a budget says: the answer, its interval, the largest part of that."""
+    form, quantity, value = (rows[0][name] for name in _WHO)
     by_term = {row["term"]: row for row in rows}
-    text = in_unit(value, quantity, 3)
+    said = {"form": form, "quantity": quantity, "value": in_unit(value, quantity, 3)}
     parts = [row for name, row in by_term.items() if name not in SUMS]
     if TOTAL not in by_term:
         lost = [f"{r['term']} ({r['reason']})" for r in parts[1:] if r["low"] is None]
-        return PAGE.words("unknown", quantity=quantity, value=text, lost=lost)
-    top = max(parts[1:], key=lambda row: row["high"] - row["low"] + abs(row["shift"]))
-    return PAGE.words(
-        "known",
-        quantity=quantity,
-        value=text,
-        middle=in_unit(value * (1.0 + by_term[TOTAL]["shift"]), quantity, 3),
-        low=_at(quantity, by_term[TOTAL]["least"], named=False),
-        high=_at(quantity, by_term[TOTAL]["most"]),
-        coverage=_COVERAGE,
-        top=top["term"],
-        change=change(top),
-        form=change(by_term[MODEL_FORM]),
-    )
+        return {**said, "lost": lost}
+    top, total = max(parts[1:], key=_size), by_term[TOTAL]
+    return {
+        **said,
+        "lost": [],
+        "middle": in_unit(value * (1.0 + total["shift"]), quantity, 3),
+        "low": _at(quantity, total["least"], named=False),
+        "high": _at(quantity, total["most"]),
+        "top": top["term"],
+        "change": change(top),
+        "form_change": change(by_term[MODEL_FORM]),
+    }
+
+
+def _size(row: Row) -> float:
+    return float(row["high"] - row["low"] + abs(row["shift"]))
 
 
 def _unstated(row: Row) -> bool:

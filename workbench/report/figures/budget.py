@@ -1,6 +1,7 @@
 """Error budgets of one case: bars per term and their sums, one panel per model, same axes.
 
-Options: `case` (default the first with a budget), `quantity` (default ``peak_displacement``).
+Options: `case` (default the first with a budget), `quantity` (default ``peak_displacement``). Of
+the forms of a budget the first is drawn: with the strain rate of the steel.
 """
 
 from typing import Any
@@ -13,7 +14,7 @@ from workbench.report.chapters.budgets import change, scale
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
 from workbench.report.drawing.style import INK, MUTED, PALETTE, Style
 
-_KEPT = ("case", "label", "quantity", "term", "shift", "low", "high")
+_KEPT = ("case", "label", "form", "quantity", "term", "shift", "low", "high")
 _ROOM = 0.45  # of the axis, to the right of all bars, for the numbers
 _AT_THE_EDGE: Style = {
     **{"xycoords": ("axes fraction", "data"), "textcoords": "offset points", "ha": "right"},
@@ -28,7 +29,9 @@ def draw(request: Request) -> Drawing:
     for row in request.stored.rows["budget"]:
         named = request.option("case", row["case"])
         if row["quantity"] == quantity and row["case"] == named and row["label"] in request.labels:
-            panels.setdefault(row["label"], []).append(row)
+            rows = panels.setdefault(row["label"], [])
+            if not rows or rows[0]["form"] == row["form"]:
+                rows.append(row)
     if not panels:
         return nothing("No answer whose errors are budgeted has been run.")
     height = sum(0.2 * len(rows) + 0.35 for rows in panels.values()) + 0.35
@@ -38,7 +41,7 @@ def draw(request: Request) -> Drawing:
         _bars(panel, rows, high)
         panel.set_xlim(100.0 * (low - 0.04), 100.0 * (high + _ROOM * (high - low)))
         value = in_unit(rows[0]["value"], quantity)
-        sheet.name(panel, f"{label}: {value}", "", "")
+        sheet.name(panel, f"{label}: {value} {rows[0]['form']}", "", "")
         for row in rows:
             sheet.record(**{name: row[name] for name in _KEPT}, value_SI=row["value"])
     sheet.panels[-1].set_xlabel(
