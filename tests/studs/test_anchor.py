@@ -79,7 +79,7 @@ def test_unseen_tests_are_judged_at_their_own_peak() -> None:
     table = fatigue(ANCHORED["oehlers"])
     held = table[table["campaign"] == "lab 3"]
     fit = fit_residual(table[table["campaign"] != "lab 3"])
-    assert fit.judge(held).scatter == pytest.approx(0.03, abs=0.02)
+    assert fit.judge(held).summary["scatter"] == pytest.approx(0.03, abs=0.02)
 
 
 def test_without_peaks_nothing_is_anchored() -> None:

@@ -262,13 +262,12 @@ def test_one_test_per_campaign_is_no_crash() -> None:
     found = judge(frame, ratio, np.ones(6))
     logs = np.log(ratio)
     half = 2.015048 * np.std(logs, ddof=1) / np.sqrt(6)  # t_5(0.95)
-    assert found.interval is not None
-    assert (found.interval.low, found.interval.high) == pytest.approx(
+    assert (found.summary["low"], found.summary["high"]) == pytest.approx(
         (np.exp(logs.mean() - half), np.exp(logs.mean() + half)),
         rel=4.5e-8,  # measured 2.3e-8
     )
     single = judge(frame.iloc[:1], ratio[:1], np.ones(1))
-    assert (single.interval, single.scalars["test_over_prediction"].width) == (None, None)
+    assert (single.summary["low"], single.scalars["test_over_prediction"].width) == (None, None)
     with pytest.raises(InputError, match="holds no test"):
         judge(frame.iloc[:0], ratio[:0], np.ones(0))
 

@@ -121,7 +121,9 @@ def band_coverage(runs: int, labs: int = 4, each: int = 6) -> tuple[float, float
             ]
             tables.append(from_frame(pd.DataFrame(rows), POINTS))
         found = fit_load_slip(tables[0])
-        share = judge_curves(tables[1], found.shape, found.band, CONFIDENCE).coverage.value
+        share = (
+            judge_curves(tables[1], found.shape, found.band, CONFIDENCE).scalars["coverage"].value
+        )
         assert share is not None
         shares.append(share)
     return float(np.mean(shares)), float(np.std(shares) / sqrt(runs))

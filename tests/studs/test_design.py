@@ -142,7 +142,7 @@ def test_the_exponent_is_found_again(exponent: float) -> None:
     found = fit_interaction(combined(exponent, 0.0))
     assert found.exponent == pytest.approx(exponent, rel=1e-4)
     own = {1.0: "linear", 5.0 / 3.0: "five-thirds"}.get(exponent)
-    medians = {name: judged.bias for name, judged in found.laws}
+    medians = {name: judged.summary["test_over_prediction"] for name, judged in found.laws}
     if own:
         assert medians[own] == pytest.approx(1.0, abs=1e-3)
     noisy = fit_interaction(combined(exponent, 0.04))

@@ -118,12 +118,13 @@ def test_validation_on_other_campaigns_shows_the_error(push_outs: pd.DataFrame) 
     fit = fit_strength(push_outs[push_outs["campaign"] == "provines2019"], "roik-mean")
     found = fit.judge(push_outs[push_outs["campaign"] == "lehigh279"], corrected=True)
     assert len(found.rows) == 2
-    assert found.known_campaigns == ()
-    assert found.covered is None  # one campaign tells nothing of another
-    assert found.bias == pytest.approx(0.91, abs=2.1e-4)  # measured 1.0e-4
+    assert found.summary["known_campaigns"] == ""
+    assert found.summary["covered"] is None  # one campaign tells nothing of another
+    bias = found.summary["test_over_prediction"]
+    assert bias == pytest.approx(0.91, abs=2.1e-4)  # measured 1.0e-4
     half = push_outs[push_outs["specimen"].str.endswith("CIP")]
     other = push_outs[push_outs["specimen"].str.endswith("PC")]
-    assert fit_strength(half).judge(other).known_campaigns == ("provines2019",)
+    assert fit_strength(half).judge(other).summary["known_campaigns"] == "provines2019"
 
 
 def test_two_specimens_of_equal_content_in_one_campaign_are_two_tests() -> None:

@@ -29,29 +29,22 @@ MEASURED = {
 STANDS = "none"  # in the column collapse: the member survived
 LARGEST_SHARE = 0.5  # of the span that a peak may reach: beyond, a unit is meant otherwise
 _DIMENSIONS = ("height", "width", "web", "flange", "fillet", "side", "wall", "diameter")
-_COLUMN = {
-    "base": "base",
-    "head": "head",
-    "axial_load": "axial_load_N",
-    "restraint_stiffness": "restraint_N_per_m",
-    "head_mass": "head_mass_kg",
+# columns of the table by the keys of scenarios, which messages name too
+_KEYS = {
+    "column.base": "base",
+    "column.head": "head",
+    "column.axial_load": "axial_load_N",
+    "column.restraint_stiffness": "restraint_N_per_m",
+    "column.head_mass": "head_mass_kg",
+    "steel.elastic_modulus": "elastic_modulus_Pa",
+    "steel.yield_stress": "yield_stress_Pa",
+    "steel.density": "density_kg_per_m3",
+    "striker.mass": "mass_kg",
+    "striker.velocity": "velocity_m_per_s",
+    "striker.restitution": "restitution",
+    "time.duration": "duration_s",
 }
-_OTHER = {
-    "steel": {
-        "elastic_modulus": "elastic_modulus_Pa",
-        "yield_stress": "yield_stress_Pa",
-        "density": "density_kg_per_m3",
-    },
-    "striker": {"mass": "mass_kg", "velocity": "velocity_m_per_s", "restitution": "restitution"},
-    "time": {"duration": "duration_s"},
-}
-# columns of the table by the keys of scenarios that messages name
-_NAMED = {
-    "column.section": "section",
-    "column.length_below": "hit_at_m",
-    **{f"column.{key}": column for key, column in _COLUMN.items()},
-    **{f"{part}.{key}": name for part, of in _OTHER.items() for key, name in of.items()},
-}
+_NAMED = {**_KEYS, "column.section": "section", "column.length_below": "hit_at_m"}
 
 
 def scenario_of(row: Row) -> ColumnImpact:
@@ -60,12 +53,14 @@ def scenario_of(row: Row) -> ColumnImpact:
     span, hit = float(row["span_m"]), float(row["hit_at_m"])  # type: ignore[arg-type]
     sizes = {name: known(row, f"{name}_m") for name in _DIMENSIONS}
     given = {name: size for name, size in sizes.items() if size is not None}
-    column: dict[str, Any] = {key: row[name] for key, name in _COLUMN.items()}
-    column |= {"section": row["section"] or given, "fillets": row["fillets"] != 0.0}
-    column |= {"length_below": hit, "length_above": round(span - hit, 9)}
-    others = {part: {key: row[name] for key, name in of.items()} for part, of in _OTHER.items()}
+    tables: dict[str, dict[str, Any]] = {}
+    for key, name in _KEYS.items():
+        table, _, field = key.partition(".")
+        tables.setdefault(table, {})[field] = row[name]
+    tables["column"] |= {"section": row["section"] or given, "fillets": row["fillets"] != 0.0}
+    tables["column"] |= {"length_below": hit, "length_above": round(span - hit, 9)}
     name = f"{row['campaign']} {row['specimen']}"
-    scenario = scenario_from({"kind": ColumnImpact.KIND, "name": name, "column": column, **others})
+    scenario = scenario_from({"kind": ColumnImpact.KIND, "name": name, **tables})
     assert isinstance(scenario, ColumnImpact)
     return scenario
 
@@ -201,18 +196,23 @@ def _test(group: list[tuple[Dataset, Row, ColumnImpact]]) -> ImpactTest:
     fallen = [row for _, row, _ in real if row["collapse"] != STANDS]
     for quantity, columns in MEASURED.items():
         pairs = [[known(row, column) or nan for column in columns] for _, row, _ in real]
-        told = [(value, width) for value, width in pairs if value == value]
-        if told and not fallen:
-            mean = sum(value for value, _ in told) / len(told)
-            single = sum(width for _, width in told) / len(told)
-            farthest = max(abs(value - mean) for value, _ in told)
+        reported = [(value, width) for value, width in pairs if value == value]
+        if reported and not fallen:
+            mean = sum(value for value, _ in reported) / len(reported)
+            single = sum(width for _, width in reported) / len(reported)
+            farthest = max(abs(value - mean) for value, _ in reported)
             measured[quantity] = (mean, max(single, farthest))
-    entries = {entry.name: entry for entry, _, _ in real}
-    names = tuple(scenario.name for _, _, scenario in real)
     collapse = None
-    for row in fallen[:1]:
+    if fallen:
         reached = max(known(each, "peak_m") or 0.0 for each in fallen)
-        collapse = Collapse(Mechanism(str(row["collapse"])), ("member",), reached)
+        collapse = Collapse(Mechanism(str(fallen[0]["collapse"])), ("member",), reached)
     _, row, scenario = real[0]
-    tested = names, str(row["campaign"]), scenario, measured, tuple(entries.values())
-    return ImpactTest(*tested, collapse, len(fallen))
+    return ImpactTest(
+        names=tuple(each.name for _, _, each in real),
+        campaign=str(row["campaign"]),
+        scenario=scenario,
+        measured=measured,
+        entries=tuple({entry.name: entry for entry, _, _ in real}.values()),
+        collapse=collapse,
+        collapsed=len(fallen),
+    )

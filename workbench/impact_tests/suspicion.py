@@ -13,7 +13,7 @@ import pandas as pd
 from workbench.impact_tests.rows import STANDS, records, scenario_of
 from workbench.models.domain import LEAST_LOAD
 from workbench.models.energy_estimate import EnergyEstimate
-from workbench.responses import Finding, Outcome, outcome_of
+from workbench.responses import Finding, Outcome, finding, outcome_of
 from workbench.scenarios import ColumnImpact
 from workbench.studs.schema import Row, known
 from workbench.studs.tables import copies
@@ -34,23 +34,20 @@ _NUMBERS = ("span_m", "hit_at_m", "axial_load_N", "mass_kg", "velocity_m_per_s",
 
 def suspicions(rows: pd.DataFrame) -> list[Finding]:
     """What looks wrong in a table of impact tests, one finding per suspicion."""
-    texts = [*_loads(rows)]
-    for first, second in same_contents(rows):
-        texts.append(f"{first} and {second} hold the same numbers: one test under two names?")
-    for campaign, campaign_rows in rows.groupby("campaign", sort=False):
-        texts += _energies(str(campaign), list(records(campaign_rows)))
-    return [Finding("data", text) for text in texts]
+    campaigns = {str(name): list(records(of)) for name, of in rows.groupby("campaign", sort=False)}
+    copied = (finding("same-test", first=a, second=b) for a, b in same_contents(rows))
+    return [
+        *(each for name, of in campaigns.items() for each in _loads(name, of)),
+        *copied,
+        *(each for name, of in campaigns.items() for each in _energies(name, of)),
+    ]
 
 
-def _loads(rows: pd.DataFrame) -> Iterator[str]:
-    for campaign, campaign_rows in rows.groupby("campaign", sort=False):
-        shares = []
-        for row in records(campaign_rows):
-            column = scenario_of(row).column
-            if column.axial_load:
-                shares.append(abs(column.axial_load) / column.properties.squash_load)
-        if shares and max(shares) < LEAST_LOAD:
-            yield f"axial loads of {campaign} are at most {max(shares):.1g} of the squash load: kN?"
+def _loads(campaign: str, rows: list[Row]) -> Iterator[Finding]:
+    columns = [scenario_of(row).column for row in rows]
+    shares = [abs(c.axial_load) / c.properties.squash_load for c in columns if c.axial_load]
+    if shares and max(shares) < LEAST_LOAD:
+        yield finding("impact-axial-loads", campaign=campaign, share=max(shares))
 
 
 def same_contents(rows: pd.DataFrame) -> list[tuple[str, str]]:
@@ -62,42 +59,44 @@ def same_contents(rows: pd.DataFrame) -> list[tuple[str, str]]:
     )
 
 
-def _energies(campaign: str, rows: list[Row]) -> Iterator[str]:
+def _energies(campaign: str, rows: list[Row]) -> Iterator[Finding]:
     """Peaks against the energy estimate, and which other reading of the numbers would fit."""
-    peaks = {}
-    for number, row in enumerate(rows):
-        peak = known(row, "peak_m")
-        if peak is not None and row["collapse"] == STANDS:
-            peaks[number] = peak
-    if not peaks:
+    hits = [
+        (scenario_of(row), peak)
+        for row in rows
+        if (peak := known(row, "peak_m")) is not None and row["collapse"] == STANDS
+    ]
+    if not hits:
         return
-    hits = {number: scenario_of(rows[number]) for number in peaks}
-    ratio = _ratio(hits, peaks)
+    ratio = _ratio(hits)
     if ratio is not None and 1.0 / USUAL <= ratio <= USUAL:
         return
     readings = {
-        name: _ratio({n: _as(hit, *factors) for n, hit in hits.items()}, peaks)
+        name: _ratio([(_as(hit, *factors), peak) for hit, peak in hits])
         for name, factors in _READ_AS.items()
     }
-    fitting = {name: abs(np.log(found)) for name, found in readings.items() if found is not None}
+    fitting = {name: abs(np.log(each)) for name, each in readings.items() if each is not None}
     if ratio is not None:
         for unit, times in {"mm": 1000.0, "cm": 100.0, "inches": 1.0 / 0.0254}.items():
             fitting[f"peaks in {unit} instead of m"] = abs(np.log(ratio / times))
     likely = [name for name in sorted(fitting, key=fitting.__getitem__) if fitting[name] < _LIKELY]
-    guess = f": {' or '.join(likely[:_NAMED])}?" if likely else ": units or columns?"
+    guess = " or ".join(likely[:_NAMED]) or "units or columns"
     if ratio is None:
-        yield f"{campaign} survived hits under which the energy estimate collapses{guess}"
+        yield finding("impact-survivors", campaign=campaign, guess=guess)
     else:
-        yield f"peaks of {campaign} are {ratio:.2g} times those of the energy estimate{guess}"
+        yield finding("impact-peaks", campaign=campaign, ratio=ratio, guess=guess)
 
 
-def _ratio(hits: dict[int, ColumnImpact], peaks: dict[int, float]) -> float | None:
-    """Median of measured over estimated peak, None where more than half have no estimate."""
+def _ratio(hits: list[tuple[ColumnImpact, float]]) -> float | None:
+    """Median of measured over estimated peak, None where more than half have no estimate.
+
+    `hits`: scenarios with the measured peak (m) of each.
+    """
     ratios = []
-    for number, hit in hits.items():
+    for hit, peak in hits:
         answer = EnergyEstimate().simulate(hit)
         if outcome_of(answer) is Outcome.OK:
-            ratios.append(peaks[number] / float(answer["peak_displacement"]))
+            ratios.append(peak / float(answer["peak_displacement"]))
     return float(np.median(ratios)) if 2 * len(ratios) > len(hits) else None
 
 

@@ -17,7 +17,7 @@ from workbench.datafiles import data_directory, own_data_directory
 from workbench.errors import InputError
 from workbench.evidence import Dataset, datasets
 from workbench.evidence.catalogue import CATALOGUE, SYNTHETIC, datasets_in
-from workbench.intake.conversion import Converted, convert, find, names_in
+from workbench.intake.conversion import Converted, convert, names_in
 from workbench.intake.kinds import KINDS, Kind, kind_of, rows_of
 from workbench.intake.mapping import Mapping, check_stated, read_mapping
 from workbench.studs.reading import read_text
@@ -76,7 +76,7 @@ def add_table(
         text = "holds the data that come with the workbench, which are read only"
         raise InputError("--into", str(folder), text, "name another folder")
     names = [*names_in(path), *(statements.columns or {}).values(), *(statements.constants or {})]
-    which = kind_of(names, kind or statements.kind, lambda n, table: find(n, table) is not None)
+    which = kind_of(names, kind or statements.kind)
     converted = convert(path, KINDS[which].table, statements, _common(statements, KINDS[which]))
     rows = _examined(converted, path, KINDS[which].table)
     entry = _entry(path, which, statements, rows, converted)
@@ -100,15 +100,10 @@ def add_table(
         except OSError as error:
             text = f"cannot be written: {error.strerror}"
             raise InputError("--into", str(folder), text) from error
-    read = folder_is_read(folder)
+    read = folder.resolve() == own_data_directory().resolve()
     if already is not None:
         return Added(already, len(rows), (), (), True, read)
     return Added(entry, len(rows), (*converted.notes, *kept), doubts, False, read)
-
-
-def folder_is_read(folder: Path) -> bool:
-    """Whether the catalogue reads this folder."""
-    return folder.resolve() == own_data_directory().resolve()
 
 
 def _common(statements: Mapping, kind: Kind) -> dict[str, str]:
@@ -179,9 +174,9 @@ def _entry(
     )
 
 
-def _name(asked: str | None, path: Path) -> str:
-    slug = re.sub(r"[^a-z0-9]+", "-", path.stem.casefold()).strip("-")[:60]
-    name = asked or slug
+def _name(given: str | None, path: Path) -> str:
+    """The `given` name in the catalogue, or that of the file. Raises `InputError`."""
+    name = given or re.sub(r"[^a-z0-9]+", "-", path.stem.casefold()).strip("-")[:60]
     if not _NAME.fullmatch(name):
         text = "must be lower-case letters, digits and hyphens"
         raise InputError("--name", name, text, "it names the table in the catalogue")

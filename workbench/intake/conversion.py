@@ -9,7 +9,7 @@ closed list per quantity, each with its value in SI.
 import csv
 import io
 import re
-from collections.abc import Iterable
+from collections.abc import Iterator
 from collections.abc import Mapping as Dictionary
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +18,7 @@ from typing import NamedTuple
 from workbench.errors import InputError
 from workbench.fields import Number, did_you_mean
 from workbench.intake.mapping import Mapping
-from workbench.studs.reading import NUMBER, Problem, column_names, raw_rows, width_findings
+from workbench.studs.reading import NUMBER, Problem, raw_rows, width_findings
 from workbench.studs.schema import EXTRA, Column, Table
 
 _BRACKETS = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]+)[\])]")
@@ -35,6 +35,11 @@ class Place(NamedTuple):
     column: Column | None
     unit: str = ""
     factor: float | None = None
+
+    @property
+    def target(self) -> str:
+        """Its name in the form of the schema."""
+        return self.column.name if self.column else self.name
 
 
 @dataclass(frozen=True)
@@ -57,15 +62,15 @@ def find(name: str, table: Table) -> Place | None:
             return Place(name, column, unit)
         if unit and name == base:
             return Place(name, column)
-        said = name.removeprefix(f"{base}_").replace("_per_", "/")
-        if unit and name.startswith(f"{base}_") and is_unit(said):
-            return Place(name, column, said)
+        ending = name.removeprefix(f"{base}_").replace("_per_", "/")
+        if unit and name.startswith(f"{base}_") and is_unit(ending):
+            return Place(name, column, ending)
     return None
 
 
 def names_in(path: Path) -> list[str]:
     """The names in the header of a table. Raises `InputError`."""
-    return column_names(*raw_rows(path)[0], path.name)
+    return raw_rows(path)[0][1]
 
 
 def convert(
@@ -76,15 +81,14 @@ def convert(
     Arguments: `constants`, cells of columns of the schema that the file lacks, beside those of the
     mapping. Raises `InputError` for columns and units that are not known.
     """
-    (line, header), *rows = raw_rows(path)
-    names = column_names(line, header, path.name)
+    (line, names), *rows = raw_rows(path)
     field = f"{path.name}, line {line}"
     _check_mapping(mapping, names)
     places = [place_of(name, table, mapping, field) for name in names]
     taken_by: dict[str, str] = {}
     for place in filter(None, places):
-        if (first := taken_by.setdefault(_target(place), place.name)) != place.name:
-            raise InputError(field, place.name, f"is {_target(place)}, and so is {first}")
+        if (first := taken_by.setdefault(place.target, place.name)) != place.name:
+            raise InputError(field, place.name, f"is {place.target}, and so is {first}")
     units = _unit_row(rows, places, mapping, path.name)
     if units is not None:
         rows = rows[1:]
@@ -92,10 +96,10 @@ def convert(
         place and _scaled(place, unit, mapping, path.name)
         for place, unit in zip(places, units or [""] * len(places), strict=True)
     ]
-    fixed = dict(_constants(mapping, table, places))
-    taken = {place.column.name for place in places if place and place.column} | set(fixed)
+    fixed = _constants(mapping, table, places)
+    taken = {place.target for place in places if place} | set(fixed)
     fixed |= {name: cell for name, cell in constants.items() if name not in taken}
-    lines = {line: [_target(place) for place in places if place] + list(fixed)}
+    lines = {line: [place.target for place in places if place] + list(fixed)}
     for line, cells in rows:
         wrong = width_findings(cells, len(places))
         if wrong:
@@ -105,7 +109,10 @@ def convert(
             for cell, place in zip(cells, places, strict=True)
             if place
         ] + list(fixed.values())
-    return Converted(_text(lines), *_changes(filter(None, places), mapping))
+    text = io.StringIO()
+    every = (lines.get(number, []) for number in range(1, max(lines) + 1))
+    csv.writer(text, lineterminator="\n").writerows(every)
+    return Converted(text.getvalue(), *_changes(filter(None, places), mapping))
 
 
 def place_of(name: str, table: Table, mapping: Mapping, field: str) -> Place | None:
@@ -122,7 +129,7 @@ def place_of(name: str, table: Table, mapping: Mapping, field: str) -> Place | N
     if meant is not None:
         if not given and meant.unit and unit and spelled(meant.unit) != unit:
             raise InputError(field, name, f"says two units, {meant.unit} and {unit}")
-        if given == _target(meant):  # the column of the schema: the unit of the table is open
+        if given == meant.target:  # the column of the schema: the unit of the table is open
             meant = meant._replace(unit="")
         return meant._replace(name=name, unit=unit or meant.unit)
     if (given or bare).startswith(EXTRA):
@@ -190,8 +197,8 @@ def _scaled(place: Place, in_row: str, mapping: Mapping, name: str) -> Place:
 
 def _constants(mapping: Mapping, table: Table, places: list[Place | None]) -> dict[str, str]:
     """Cells that the mapping gives for all rows, by column of the schema."""
-    taken = {place.column.name: place.name for place in places if place and place.column}
-    found: dict[str, str] = {}
+    taken = {place.target: place.name for place in places if place}
+    cells: dict[str, str] = {}
     for name, cell in (mapping.constants or {}).items():
         field = f"mapping, constants.{name}"
         place = find(name, table)
@@ -201,11 +208,11 @@ def _constants(mapping: Mapping, table: Table, places: list[Place | None]) -> di
         column = place.column
         if column.name in taken:
             raise InputError(field, cell, f"stands in the table too, in {taken[column.name]}")
-        own = column.unit
-        if own and not place.unit:
+        if column.unit and not place.unit:
             raise InputError(field, cell, "says no unit", f"write {column.name}")
-        found[column.name] = _cell(cell, factor(place.unit, own, field) if own else None, ())
-    return found
+        by = factor(place.unit, column.unit, field) if column.unit else None
+        cells[column.name] = _cell(cell, by, ())
+    return cells
 
 
 def _cell(cell: str, by: float | None, missing: tuple[str, ...]) -> str:
@@ -220,23 +227,7 @@ def _cell(cell: str, by: float | None, missing: tuple[str, ...]) -> str:
     return repr(float(f"{float(text) * by:.12g}"))
 
 
-def _target(place: Place) -> str:
-    return place.column.name if place.column else place.name
-
-
-def _text(lines: dict[int, list[str]]) -> str:
-    """Rows as CSV, each on its line."""
-    target = io.StringIO()
-    writer = csv.writer(target, lineterminator="\n")
-    for line in range(1, max(lines) + 1):
-        if line in lines:
-            writer.writerow(lines[line])
-        else:
-            target.write("\n")
-    return target.getvalue()
-
-
-def _changes(places: Iterable[Place], mapping: Mapping) -> tuple[dict[str, str], tuple[str, ...]]:
+def _changes(places: Iterator[Place], mapping: Mapping) -> tuple[dict[str, str], tuple[str, ...]]:
     """Where converted columns are from, and what was changed, one sentence per column."""
     origin, notes = {}, []
     for name, column, unit, by in places:

@@ -59,15 +59,14 @@ KINDS = {
 }
 
 
-def kind_of(names: list[str], asked: str | None, known: Callable[[str, Table], bool]) -> str:
-    """The kind of a table by name, or by the columns that it has.
-
-    Arguments: `names` of its columns; `asked`, what the user says; `known`, whether a name is a
-    column of a schema. Raises `InputError`.
-    """
-    if asked is not None:
-        return str(Choice(tuple(KINDS), did_you_mean(asked, KINDS)).check("--kind", asked))
-    counts = {name: sum(known(n, kind.table) for n in names) for name, kind in KINDS.items()}
+def kind_of(columns: list[str], given: str | None) -> str:
+    """The kind of a table: the `given` one, or that whose columns it has. Raises `InputError`."""
+    if given is not None:
+        return str(Choice(tuple(KINDS), did_you_mean(given, KINDS)).check("--kind", given))
+    counts = {
+        name: sum(find(column, kind.table) is not None for column in columns)
+        for name, kind in KINDS.items()
+    }
     best = max(counts, key=lambda name: counts[name])
     if list(counts.values()).count(counts[best]) > 1:
         text = "cannot be told from the columns"
@@ -85,15 +84,15 @@ def check_file(path: Path) -> tuple[list[str], list[str]]:
     columns = {each.column.name for n in names if (each := find(n, IMPACTS)) and each.column}
     if {"span_m", "velocity_m_per_s"} <= columns:
         text = convert(path, IMPACTS, Mapping(), {}).text
-        found = read_text(text, IMPACTS, path.name)
-        doubts = of_impacts.suspicions(found.rows)
+        examined = read_text(text, IMPACTS, path.name)
+        doubts = of_impacts.suspicions(examined.rows)
     elif {"slip_mm", "load_kN"} <= names:
-        found = examine(path, POINTS)
-        doubts = of_studs.suspicions_of_points(found.rows)
+        examined = examine(path, POINTS)
+        doubts = of_studs.suspicions_of_points(examined.rows)
     else:
-        found = examine(path, TESTS)
-        doubts = of_studs.suspicions(found.rows)
-    problems = [str(problem.error()) for problem in found.problems]
+        examined = examine(path, TESTS)
+        doubts = of_studs.suspicions(examined.rows)
+    problems = [str(problem.error()) for problem in examined.problems]
     return problems, [each.text for each in doubts]
 
 

@@ -16,8 +16,6 @@ from workbench.content.formatting import brief, count
 from workbench.content.tree import (
     ABSENT,
     Block,
-    Bullets,
-    Callout,
     Cell,
     Column,
     Definitions,
@@ -28,7 +26,7 @@ from workbench.content.tree import (
     Table,
 )
 from workbench.errors import InputError
-from workbench.report.chapters.studs import Head, of_fit, warnings_of
+from workbench.report.chapters.studs import Head, of_fit
 from workbench.report.drawing import influence
 from workbench.report.drawing.sheet import Drawing, drawn
 from workbench.report.figures import stud_laws, stud_tests
@@ -121,27 +119,23 @@ def _document(
     figures: Sequence[Drawn],
     folder: str,
 ) -> Document:
-    warnings = warnings_of(tables)
-    warned: Block = Bullets(tuple(warnings))
-    if not warnings:
-        warned = Callout("good", "None of the checks found anything to warn of.")
-    pictures = tuple(
-        Section(f"figure-{key}", title, (_picture(key, title, caption, drawing, folder),))
-        for key, title, caption, drawing in figures
-    )
     record = provenance()
-    software = ((n.replace("_", " "), f"`{record[n]}`") for n in _SOFTWARE if n in record)
-    parts: dict[str, tuple[str, tuple[Block, ...]]] = {
-        "answer": ("The answer", of_fit("answer", head, tables)),
-        "basis": ("What it rests on", _basis(head, tables)),
-        "warnings": ("Warnings, the decisive ones first", (warned,) if "fit" in tables else ()),
-        "figures": ("Figures", pictures),
-        "numbers": ("Numbers", of_fit("other_tables", head, tables)),
-        "method": ("Formulas and method", of_fit("method", head, tables)),
-        "tests": ("The tests", tuple(_tests(head, tables, pd.concat(rows), folder))),
-        "software": ("Software", (Definitions(tuple(software)),)),
-    }
-    sections = tuple(Section(key, *part) for key, part in parts.items() if part[1])
+    options = {k: v if isinstance(v, list) else [v] for k, v in head["options"].items()}
+    pictures = [
+        (key, title, _picture(key, title, caption, drawing, folder))
+        for key, title, caption, drawing in figures
+    ]
+    blocks = of_fit(
+        "report",
+        head,
+        tables,
+        size=_size(head, tables),
+        options=", ".join(f"{name} = {', '.join(map(str, v))}" for name, v in options.items()),
+        figures=pictures,
+        tests=tuple(_tests(head, tables, pd.concat(rows), folder)),
+        software=[(n.replace("_", " "), f"`{record[n]}`") for n in _SOFTWARE if n in record],
+    )
+    sections = tuple(each for each in blocks if isinstance(each, Section))
     made = ", ".join(f"{name} {record[name]}" for name in _SOFTWARE[:2] if name in record)
     facts = (_size(head, tables), f"table: {' and '.join(head['tables'])}", made)
     return Document(_TITLES[head["fit"]], "Evaluation of tests", facts, sections)
@@ -189,24 +183,6 @@ def _size(head: Head, tables: Tables) -> str:
         return f"no {what}{after}"
     campaigns = count(len(most["campaigns"].split(", ")), "campaign")
     return f"{count(int(most[what]), what[:-1])}{after} of {campaigns}"
-
-
-def _basis(head: Head, tables: Tables) -> tuple[Block, ...]:
-    fit = tables.get("fit", pd.DataFrame(columns=["campaigns", "holds"]))
-    given = {k: v if isinstance(v, list) else [v] for k, v in head["options"].items()}
-    options = ", ".join(f"{name} = {', '.join(map(str, v))}" for name, v in given.items())
-    pairs = {
-        "tests": _size(head, tables),
-        "campaigns": "; ".join(dict.fromkeys(fit["campaigns"])),
-        "held out to judge the fit": ", ".join(head["validate"]) or "none",
-        "the grade holds": "; ".join(dict.fromkeys(fit["holds"])) or "for these tests",
-        "table": " and ".join(head["tables"]),
-        "SHA-256 of the table": f"`{head['digest']}`" if head["digest"] else "shipped",
-        "confidence of intervals": f"{100 * head['confidence']:g} %",
-        "options": options or "none",
-    }
-    terms = Definitions(tuple((name, text) for name, text in pairs.items() if text))
-    return (terms, *of_fit("left_out_rows", head, tables))
 
 
 # -- the tests as they stand in the table ---------------------------------------------------------

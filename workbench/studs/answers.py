@@ -4,7 +4,7 @@ Each answers from the calibrating tests and is judged by the validating ones.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, ClassVar
 
@@ -15,7 +15,7 @@ from workbench.fields import Choice, Flag, Number, checked
 from workbench.responses import finding
 from workbench.scenarios.laboratory import StudTests
 from workbench.studs.damaged import damaged_rows
-from workbench.studs.fit_protocol import Tables, answer_tables, judge
+from workbench.studs.fit_protocol import answer_tables, judge
 from workbench.studs.formulas import FORMULAS, SHEAR_MODELS, usual_stud
 from workbench.studs.interaction import INTERACTIONS, borne, combined_tests
 from workbench.studs.laboratory import answer_residual
@@ -24,7 +24,7 @@ from workbench.studs.load_slip_fit import GRID, fit_load_slip, judge_curves
 from workbench.studs.mechanical import MechanicalFit, Stud, calibrate, interaction_points
 from workbench.studs.mechanical.calibration import complete_rows, predicted_curves
 from workbench.studs.mechanical.parameters import LENGTH, STRESS
-from workbench.studs.model import RESIDUAL, Split, StudAnswer, StudModel, load_split
+from workbench.studs.model import RESIDUAL, Split, StudAnswer, StudModel, answer_of, load_split
 from workbench.studs.model import StudMeasured as StudMeasured
 from workbench.studs.relations import SOURCES
 from workbench.studs.schema import TESTS, USUAL
@@ -66,17 +66,14 @@ class StudStrength(StudModel):
 
     def find(self, scenario: StudTests, split: Split) -> StudAnswer:
         """The fit, and how the prediction meets the validating tests."""
-        level = scenario.confidence
+        level, held = scenario.confidence, split.validation
         fit = fit_strength(split.calibration, self.formula, loss=self.loss, confidence=level)
-        judged = None
-        if not split.validation.empty:
-            judged = fit.judge(split.validation, level, corrected=self.corrected)
+        judged = None if held.empty else fit.judge(held, level, corrected=self.corrected)
         how = "as fitted" if self.corrected else "as it is"
-        tables = answer_tables(fit.summary(), fit.tables(level), judged, how)
+        answer = answer_of(fit, judged, level, how, fitted_test_over_prediction=fit.bias)
         if usual := usual_stud(fit.model):
-            tables["usual"] = pd.DataFrame([usual])
-        scalars = {"tests_fitted": float(len(fit.rows)), "fitted_test_over_prediction": fit.bias}
-        return StudAnswer(tables, fit.findings, judged, scalars)
+            answer.tables["usual"] = pd.DataFrame([usual])
+        return answer
 
 
 @dataclass(frozen=True)
@@ -113,18 +110,19 @@ class StudLoadSlip(StudModel):
     def find(self, scenario: StudTests, split: Split) -> StudAnswer:
         """The law with its band, the points, and how it meets the validating curves."""
         level, unseen = scenario.confidence, split.validation_points
-        both = {False: split.calibration_points, True: unseen}
-        tables: Tables = {"points": points_of(*both.values())}
+        points = points_of(split.calibration_points, unseen)
         if self.published:
             law = OllgaardLaw()
             judged = None if unseen.empty else judge_curves(unseen, law, confidence=level)
-            tables["grid"] = pd.DataFrame({"slip": GRID, "median": law.ratio(GRID)})
-            tables |= answer_tables({"law": law.name, "published": True}, tables, judged)
+            grid = pd.DataFrame({"slip": GRID, "median": law.ratio(GRID)})
+            summary = {"law": law.name, "published": True}
+            tables = answer_tables(summary, {"points": points, "grid": grid}, judged)
             return StudAnswer(tables, (), judged, {"tests_fitted": 0.0})
         fit = fit_load_slip(split.calibration_points, self.law, confidence=level)
         judged = None if unseen.empty else fit.judge(unseen, level)
-        tables |= answer_tables(fit.summary(), fit.tables(level), judged)
-        return StudAnswer(tables, fit.findings, judged, {"tests_fitted": float(len(fit.rows))})
+        answer = answer_of(fit, judged, level)
+        answer.tables["points"] = points
+        return answer
 
 
 ANY = "any"
@@ -171,15 +169,13 @@ class StudResidual(StudModel):
         fit, *others = answer_residual(
             split.calibration, quantity, given, lambda: calibrated(scenario), **which
         )
-        judged = None
-        if not damaged_rows(split.validation, quantity, fit.predamage, fit.measure).empty:
-            judged = fit.judge(split.validation, level)
-        findings = (finding("stud-grade", quantity=quantity, grade=fit.grade), *fit.findings)
+        held = damaged_rows(split.validation, quantity, fit.predamage, fit.measure)
+        judged = None if held.empty else fit.judge(split.validation, level)
+        findings = [finding("stud-grade", quantity=quantity, grade=fit.grade), *fit.findings]
         if others:
             titles = "; ".join(each.stud for each in others)
-            findings = (*findings, finding("stud-other-answers", stud=fit.stud, others=titles))
-        tables = answer_tables(fit.summary(), fit.tables(level), judged)
-        return StudAnswer(tables, findings, judged, {"tests_fitted": float(len(fit.rows))})
+            findings.append(finding("stud-other-answers", stud=fit.stud, others=titles))
+        return replace(answer_of(fit, judged, level), findings=findings)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple, Protocol
+from functools import cached_property
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -24,7 +25,7 @@ from workbench.studs.statistics.intervals import (
 from workbench.studs.statistics.mixed import Estimate, fit
 from workbench.studs.statistics.prediction import outliers
 from workbench.studs.statistics.problem import location
-from workbench.studs.tables import RowIdentity
+from workbench.studs.tables import RowIdentity, identity_of
 
 Summary = dict[str, Any]  # one row of a table: numbers, words and flags by column
 Tables = dict[str, pd.DataFrame]
@@ -170,31 +171,34 @@ class Scalar(NamedTuple):
     ends: tuple[float, float] | None = None
 
 
-class Judged(Protocol):
-    """How a fit meets tests that it has not used: row by row (`rows`), and what they tell."""
+@dataclass(frozen=True)
+class Judgement:
+    """How a prediction meets tests that it has not used.
 
-    @property
-    def rows(self) -> pd.DataFrame: ...  # noqa: D102
+    `rows`, one per test or curve; `scalars`, what models are compared by; `summary`, all that they
+    tell, as one row of a table.
+    """
 
-    @property
-    def scalars(self) -> dict[str, Scalar]: ...  # noqa: D102
-
-    def summary(self) -> Summary:
-        """One row of a table."""
-        ...
+    rows: pd.DataFrame
+    scalars: dict[str, Scalar]
+    summary: Summary
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fit(ABC):
-    """A fit to tests: the `rows` behind it, their `identity`, and what it warns of (`findings`).
+    """A fit to tests: the `rows` behind it, and what it warns of (`findings`).
 
     `figures`: kinds of figures that its tables feed.
     """
 
     rows: pd.DataFrame
     findings: tuple[Finding, ...]
-    identity: RowIdentity
     figures: ClassVar[tuple[str, ...]] = ()
+
+    @cached_property
+    def identity(self) -> RowIdentity:
+        """The identity of its rows."""
+        return identity_of(self.rows)
 
     @property
     @abstractmethod
@@ -210,7 +214,7 @@ class Fit(ABC):
         """Everything behind the summary (SI); bands at a `confidence`."""
 
     @abstractmethod
-    def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judged:
+    def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judgement:
         """Hold the fit against unseen tests. Raises `InputError` for rows that it has used."""
 
     @abstractmethod
@@ -219,7 +223,7 @@ class Fit(ABC):
 
 
 def answer_tables(
-    answer: Summary, tables: Mapping[str, pd.DataFrame], judged: Judged | None, how: str = "fitted"
+    answer: Summary, tables: Tables, judged: Judgement | None, how: str = "fitted"
 ) -> Tables:
     """The tables of an answer: its summary is `fit`; judgement and unseen rows where there are any.
 
@@ -227,7 +231,7 @@ def answer_tables(
     """
     answered = {"fit": pd.DataFrame([answer]), **tables}
     if judged is not None:
-        answered["judgement"] = pd.DataFrame([{"prediction": how, **judged.summary()}])
+        answered["judgement"] = pd.DataFrame([{"prediction": how, **judged.summary}])
         answered["judged"] = judged.rows
     return answered
 
@@ -242,54 +246,19 @@ def stacked(answers: Iterable[tuple[str, Tables]]) -> Tables:
     return {key: table[["of", *table.columns.drop("of")]] for key, table in whole.items()}
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """Test over prediction in tests that the prediction has not used.
-
-    `bias`, median ratio with its `interval` (None with one test: it tells no scatter); `least`, the
-    smallest ratio, and `worst`, the test that has it; `scatter` of the log ratio, between campaigns
-    included (None with one test); `rows`, campaign, specimen, test, prediction and ratio. Where a
-    fit tells them: `covered`, share of the tests inside its prediction interval, and
-    `known_campaigns`, campaigns that it has seen other specimens of, so that the tests are not
-    independent of it.
-    """
-
-    bias: float
-    interval: Interval | None
-    least: float
-    worst: str
-    scatter: float | None
-    rows: pd.DataFrame
-    covered: float | None = None
-    known_campaigns: tuple[str, ...] = ()
-
-    @property
-    def scalars(self) -> dict[str, Scalar]:
-        """What a model is compared by; the width of the bias reaches to its farther end."""
-        low, high = (None, None) if self.interval is None else self.interval[:2]
-        bias = Scalar(self.bias)
-        if low is not None and high is not None:
-            bias = Scalar(self.bias, max(self.bias - low, high - self.bias), (low, high))
-        return {"test_over_prediction": bias, "least_test_over_prediction": Scalar(self.least)}
-
-    def summary(self) -> Summary:
-        """One row of a table."""
-        low, high = (None, None) if self.interval is None else self.interval[:2]
-        return {
-            **counted(self.rows),
-            **{name: each.value for name, each in self.scalars.items()},
-            **{"low": low, "high": high, "worst": self.worst, "scatter": self.scatter},
-            **{"covered": self.covered, "known_campaigns": ", ".join(self.known_campaigns)},
-        }
-
-
 def judge(
     rows: pd.DataFrame, test: Any, prediction: Any, confidence: float = 0.9, *more: str
 ) -> Judgement:
-    """Judge predictions by tests that they have not used.
+    """Judge predictions by tests that they have not used: test over prediction.
 
     Arguments: `rows` with campaign, specimen and the columns `more` that are kept; `test` and
-    `prediction` (n,), positive where there is a prediction. Raises `InputError` without any.
+    `prediction` (n,), positive where there is a prediction. The summary has the median ratio with
+    its interval `low` to `high`, whose width as a scalar reaches to its farther end, and the
+    `scatter` of the log ratio, between campaigns included (None with one test: it tells no
+    scatter); the smallest ratio, and `worst`, the test that has it. Where a fit tells them:
+    `covered`, share of the tests inside its prediction interval, and `known_campaigns`, campaigns
+    that it has seen other specimens of, so that the tests are not independent of it. Raises
+    `InputError` without any test that has a prediction.
     """
     judged = rows[["campaign", "specimen", *more]].assign(test=test, prediction=prediction)
     known = np.isfinite(prediction) & (np.asarray(prediction) > 0.0)
@@ -298,11 +267,24 @@ def judge(
         raise InputError("validation", 0, "holds no test that the model can answer")
     ratio = judged["test"].to_numpy(float) / judged["prediction"].to_numpy(float)
     judged = judged.assign(ratio=ratio)
-    bias, interval, scatter = float(ratio[0]), None, None
+    bias, interval, scatter = Scalar(float(ratio[0])), Interval(None, None), None
     if len(ratio) > 1:
         estimate = fit(location(np.log(ratio), judged["campaign"].to_numpy(str)))
         interval = profile_interval(estimate, "median", confidence).exponential()
         scatter = float(np.hypot(estimate.sigma, estimate.tau))
-        bias = float(np.exp(estimate.theta[0]))
-    worst = " ".join(judged.loc[int(np.argmin(ratio)), ["campaign", "specimen"]])
-    return Judgement(bias, interval, float(ratio.min()), worst, scatter, judged)
+        median, (low, high) = float(np.exp(estimate.theta[0])), interval
+        bias = Scalar(median)
+        if low is not None and high is not None:
+            bias = Scalar(median, max(median - low, high - median), (low, high))
+    least = Scalar(float(ratio.min()))
+    scalars = {"test_over_prediction": bias, "least_test_over_prediction": least}
+    summary = {
+        **counted(judged),
+        **{name: each.value for name, each in scalars.items()},
+        **interval._asdict(),
+        "worst": " ".join(judged.loc[int(np.argmin(ratio)), ["campaign", "specimen"]]),
+        "scatter": scatter,
+        "covered": None,
+        "known_campaigns": "",
+    }
+    return Judgement(judged, scalars, summary)

@@ -33,7 +33,6 @@ from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.prediction import influence_of, without_each
 from workbench.studs.statistics.problem import problem
 from workbench.studs.suspicion import suspicions
-from workbench.studs.tables import identity_of
 
 EXPONENTS = (0.3, 30.0)  # 1: linear; below it damage adds up, far above it nothing interacts
 SHARES = np.linspace(0.0, 1.0, 41)  # of the tension resistance, at which the law is given
@@ -163,7 +162,7 @@ class InteractionFit(Fit):
         """Its tests, the fitted law and those of the codes over the tension, how these judge."""
         curves = {name: law.shear(SHARES) for name, law in INTERACTIONS.items()}
         curve = {"tension": SHARES, "shear": _power(self.exponent)(SHARES), **curves}
-        laws = [{"law": name, **judged.summary()} for name, judged in self.laws]
+        laws = [{"law": name, **judged.summary} for name, judged in self.laws]
         return {"tests": self.rows, "curve": pd.DataFrame(curve), "codes": pd.DataFrame(laws)}
 
     def influence(self) -> pd.DataFrame:
@@ -223,7 +222,6 @@ def fit_interaction(
         grade=grade_of(rows, "combined tests"),
         rows=rows,
         findings=findings,
-        identity=identity_of(rows),
     )
 
 

@@ -92,7 +92,7 @@ def _formula(
     fit, confidence = fit_strength(fitted, formula, **how), how.get("confidence", 0.9)
     tables = known_of(fit, held, confidence, "as it is")
     if not held.empty:
-        corrected = fit.judge(held, confidence, corrected=True).summary()
+        corrected = fit.judge(held, confidence, corrected=True).summary
         row = pd.DataFrame([{"prediction": "as fitted", **corrected}])
         tables["judgement"] = pd.concat([tables["judgement"], row], ignore_index=True)
     if factors:

@@ -44,7 +44,7 @@ from workbench.studs.statistics.mixed import fit
 from workbench.studs.statistics.prediction import influence_of, without_each
 from workbench.studs.statistics.problem import location
 from workbench.studs.suspicion import suspicions_of_points
-from workbench.studs.tables import curves_of, identity_of
+from workbench.studs.tables import curves_of
 
 ENDLESS = 0.5  # m: beyond the slip of any test
 GRID = np.linspace(0.0, 10e-3, 101)  # m, slips at which median and band are given
@@ -56,59 +56,16 @@ _NORMAL = np.array([NormalDist().inv_cdf((k + 0.5) / 20.0) for k in range(20)])
 Band = Callable[[Array, float], tuple[Array, Array]]  # bounds at slips (m) for a share of points
 
 
-@dataclass(frozen=True)
-class CurveJudgement:
-    """A law on curves that no fit has used.
-
-    `rows`, one per curve: campaign, specimen, points, rms and bias of the load over the largest
-    load, share of its points inside the band (`inside`, NaN without a band); `stiffness`, test over
-    prediction of the chord stiffness at the measured strength (None where no curve tells it).
-    """
-
-    rows: pd.DataFrame
-    stiffness: Judgement | None
-    confidence: float
-
-    @property
-    def coverage(self) -> Scalar:
-        """Mean share of points in the band; its half-width over curves is at least one curve."""
-        from scipy.special import stdtrit
-
-        inside, count = self.rows["inside"], len(self.rows)
-        if inside.isna().all():
-            return Scalar(None)
-        mean = float(inside.mean())
-        if count < 2:
-            return Scalar(mean)
-        error = float(inside.std(ddof=1)) / np.sqrt(count)
-        width = float(stdtrit(count - 1.0, 0.5 + 0.5 * self.confidence) * error)
-        width = max(width, 1.0 / count)
-        return Scalar(mean, width, (max(mean - width, 0.0), min(mean + width, 1.0)))
-
-    @property
-    def scalars(self) -> dict[str, Scalar]:
-        """What a model is compared by."""
-        ratio = self.stiffness.scalars["test_over_prediction"] if self.stiffness else Scalar(None)
-        return {"coverage": self.coverage, "stiffness_test_over_prediction": ratio}
-
-    def summary(self) -> Summary:
-        """One row of a table: interval, least ratio and scatter are those of the stiffness."""
-        row: Summary = {"median_rms": float(self.rows["rms"].median())}
-        if self.stiffness:
-            names = ("low", "high", "least_test_over_prediction", "scatter")
-            stiffness = self.stiffness.summary()
-            row |= {name: stiffness[name] for name in names}
-        scalars = {name: each.value for name, each in self.scalars.items()}
-        return {**counted(self.rows, "curves"), **scalars, **row}
-
-
 def judge_curves(
     points: pd.DataFrame, law: Law, band: Band | None = None, confidence: float = 0.9
-) -> CurveJudgement:
+) -> Judgement:
     """Judge a law by the first loading of every curve of a table (schema `POINTS`).
 
     Arguments: `law`; the `band` of the fit that it is the median of (None: a law as published,
-    without a band). Raises `InputError`.
+    without a band). Rows, one per curve: points, rms and bias of the load over the largest load,
+    share of the points `inside` the band (NaN without one). Scalars: the mean of these shares
+    (`coverage`), and test over prediction of the chord stiffness at the measured strength, whose
+    interval, least ratio and scatter the summary gives. Raises `InputError`.
     """
     rows: list[dict[str, Any]] = []
     stiffness: list[dict[str, Any]] = []
@@ -128,11 +85,38 @@ def judge_curves(
             stiffness.append({**name, "test": measured, "prediction": law_stiffness(law, top)})
     if not rows:
         raise InputError("validation", 0, "holds no curve of two points or more")
-    judged = None
+    curves, over, more = pd.DataFrame(rows), Scalar(None), {}
     if stiffness:
         frame = pd.DataFrame(stiffness)
         judged = judge(frame, frame["test"], frame["prediction"], confidence)
-    return CurveJudgement(pd.DataFrame(rows), judged, confidence)
+        names = ("low", "high", "least_test_over_prediction", "scatter")
+        over, more = judged.scalars["test_over_prediction"], {n: judged.summary[n] for n in names}
+    scalars = {
+        "coverage": _mean_share(curves["inside"], confidence),
+        "stiffness_test_over_prediction": over,
+    }
+    summary = {
+        **counted(curves, "curves"),
+        **{name: each.value for name, each in scalars.items()},
+        "median_rms": float(curves["rms"].median()),
+        **more,
+    }
+    return Judgement(curves, scalars, summary)
+
+
+def _mean_share(inside: pd.Series, confidence: float) -> Scalar:
+    """Mean share of points in the band; its half-width over curves is at least one curve."""
+    from scipy.special import stdtrit
+
+    if inside.isna().all():
+        return Scalar(None)
+    mean, count = float(inside.mean()), len(inside)
+    if count < 2:
+        return Scalar(mean)
+    error = float(inside.std(ddof=1)) / np.sqrt(count)
+    width = float(stdtrit(count - 1.0, 0.5 + 0.5 * confidence) * error)
+    width = max(width, 1.0 / count)
+    return Scalar(mean, width, (max(mean - width, 0.0), min(mean + width, 1.0)))
 
 
 @dataclass(frozen=True)
@@ -216,7 +200,7 @@ class LoadSlipFit(Fit):
             "skipped": pd.DataFrame({"why": list(self.skipped)}, dtype=object),
         }
 
-    def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> CurveJudgement:
+    def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judgement:
         """Judge the law and its band by unseen curves (see `judge_curves`)."""
         self.identity.refuse_overlap(table)
         return judge_curves(table, self.shape, self.band, confidence)
@@ -276,7 +260,6 @@ def fit_load_slip(
         skipped=tuple(skipped),
         rows=curves,
         findings=(*suspicions_of_points(points), *_findings(curves)),
-        identity=identity_of(curves),
     )
 
 

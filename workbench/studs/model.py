@@ -13,14 +13,13 @@ import xarray as xr
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.evidence import dataset
-from workbench.fields import Declared
-from workbench.models.base import respond
+from workbench.models.base import Answering
 from workbench.responses import Finding, Response, build_response
 from workbench.responses.uncertainty import SAMPLED
 from workbench.scenarios import Scenario
 from workbench.scenarios.laboratory import CSV, StudTests
 from workbench.studs.damaged import damaged_rows
-from workbench.studs.fit_protocol import Judged, Tables, plain
+from workbench.studs.fit_protocol import Fit, Judgement, Tables, answer_tables, plain
 from workbench.studs.interaction import combined_tests
 from workbench.studs.quantities import undamaged_headed_studs
 from workbench.studs.reading import examine
@@ -87,17 +86,32 @@ class StudAnswer:
 
     tables: Tables
     findings: Sequence[Finding] = ()
-    judged: Judged | None = None
+    judged: Judgement | None = None
     scalars: Mapping[str, float | None] = field(default_factory=dict)
     exact: bool = False
 
 
+def answer_of(
+    fit: Fit, judged: Judgement | None, confidence: float, how: str = "fitted", **scalars: float
+) -> StudAnswer:
+    """The answer that a fit is: its tables, findings and size, how unseen tests judge it.
+
+    `how` as in `answer_tables`; further `scalars`.
+    """
+    tables = answer_tables(fit.summary(), fit.tables(confidence), judged, how)
+    size = {"tests_fitted": float(len(fit.rows))}
+    return StudAnswer(tables, fit.findings, judged, {**size, **scalars})
+
+
 @dataclass(frozen=True)
-class StudModel(Declared, table="option"):
+class StudModel(Answering):
     """A model that answers questions to tests on studs; its options are those of its own fields.
 
     A model names what may be asked of it (`asks`, empty: anything) and finds the answer in the
     tests that calibrate and validate. `units` of columns of its tables, where not the usual ones.
+    A response has the scalars of the answer, and its tables as typed variables. What the tests do
+    not support (`InputError` of `find`) becomes a refusal, out-of-domain; `simulate` raises
+    `InputError` for tables that cannot be read.
     """
 
     name: ClassVar[str]
@@ -127,14 +141,6 @@ class StudModel(Declared, table="option"):
             return []
         text = f"{self.name} answers {', '.join(self.asks)}, not {question}"
         return [Finding("question", text, refusal=True)]
-
-    def simulate(self, scenario: Scenario) -> Response:
-        """The scalars of the answer, and its tables as typed variables.
-
-        What the tests do not support (`InputError` of `find`) becomes a refusal, out-of-domain.
-        Raises `InputError` for tables that cannot be read.
-        """
-        return respond(self, scenario, self._solve)
 
     @abstractmethod
     def find(self, scenario: StudTests, split: Split) -> StudAnswer:

@@ -55,7 +55,6 @@ from workbench.studs.statistics.annex_d import CHARACTERISTIC, TABLE_DESIGN
 from workbench.studs.statistics.intervals import tails_of
 from workbench.studs.statistics.prediction import Score, influence_of, without_each
 from workbench.studs.suspicion import suspicions
-from workbench.studs.tables import identity_of
 
 STEP = 0.025  # of damage, at which the curve is given
 DESIGN_LEVELS = (0.25, 0.5, 0.75)  # of damage, besides the largest tested one
@@ -268,7 +267,6 @@ def fit_residual(
             *reference_findings(table, rows, quantity),
             *residual_findings(rows, best.at_bound, onset),
         ),
-        identity=identity_of(rows),
         mechanical=mechanical,
     )
 
@@ -309,6 +307,5 @@ def _predicted(
         levels=(float(mechanical.level[0]), float(mechanical.level[-1])),
         rows=none,
         findings=(*suspicions(table), why, finding("stud-basis", basis=mechanical.basis)),
-        identity=identity_of(none),
         mechanical=mechanical,
     )

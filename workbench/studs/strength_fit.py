@@ -6,6 +6,7 @@ The logarithm of test over prediction is regressed: ln(P / P_model) = ln b + sum
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -46,7 +47,7 @@ from workbench.studs.suspicion import (
     strength_findings,
     suspicions,
 )
-from workbench.studs.tables import identity_of
+from workbench.studs.tables import RowIdentity, identity_of
 
 TRENDS = ("diameter", "concrete_strength", "concrete_modulus", "ultimate_strength", "slenderness")
 # coefficients of variation of structures to come: assumptions, to be replaced by one's own
@@ -71,7 +72,7 @@ class StrengthFit(Fit):
     `new_campaign_factor`, 5 % fractile of test over the formula for a new test of a new campaign
     (None with fewer than three); `measurement`, relative standard uncertainty of the measured loads
     (None if not reported); `grade` of the evidence, and the studs that it `holds` for, in a `slab`;
-    `rows`, test, prediction and ratio of every row with its variables.
+    `kept`, its rows of the table, and `rows`, their test, prediction, ratio and variables in SI.
     """
 
     model: Formula
@@ -84,12 +85,18 @@ class StrengthFit(Fit):
     grade: str
     holds: str
     slab: str
+    kept: pd.DataFrame
     figures: ClassVar[tuple[str, ...]] = ("stud-scatter", "stud-residuals")
 
     @property
     def name(self) -> str:
         """The name of the formula."""
         return self.model.name
+
+    @cached_property
+    def identity(self) -> RowIdentity:
+        """The identity of the rows of the table."""
+        return identity_of(self.kept)
 
     @property
     def bias(self) -> float:
@@ -130,7 +137,8 @@ class StrengthFit(Fit):
         held = _problem(known, self.model, self._trends, self.reference)
         seen = {str(c).strip().casefold() for c in kept["campaign"]} & self.identity.campaigns
         inside = coverage(self.fitted.estimate, held, confidence)
-        return replace(judged, covered=inside, known_campaigns=tuple(sorted(seen)))
+        more = {"covered": inside, "known_campaigns": ", ".join(sorted(seen))}
+        return replace(judged, summary=judged.summary | more)
 
     def summary(self) -> Summary:
         """The median of test over prediction, its scatters, what they rest on."""
@@ -208,6 +216,7 @@ def fit_strength(
         holds=f"for studs {studs_in_words(kept)}, as tested"
         + ", in profiled decks" * (slab == "deck"),
         slab=slab,
+        kept=kept,
         rows=_rows(kept, tests, chosen),
         findings=(
             *(each for each in suspicions(table) if each.subject != "outlier"),  # by the fit itself
@@ -216,7 +225,6 @@ def fit_strength(
             *([finding("stud-without-value", **unknown)] if missing else []),
             *strength_findings(kept, tests, chosen, given),
         ),
-        identity=identity_of(kept),
     )
 
 

@@ -134,7 +134,7 @@ def _columns(table: pd.DataFrame) -> Iterator[Finding]:
         elif (count >= LEAST_ROWS and middle > HIGHER) or middle > LARGEST_GAIN:
             yield finding("stud-swapped-columns", ratio=middle, column=column, count=count)
     for first, second in same_contents(table):
-        yield finding("stud-same-test", first=first, second=second)
+        yield finding("same-test", first=first, second=second)
 
 
 # -- of the tests behind a fit of strength --------------------------------------------------------

@@ -85,8 +85,8 @@ def _metrics(pairs: pd.DataFrame) -> Row:
         judged = judge(pairs[["campaign", "specimen"]], tests, predictions, CONFIDENCE)
     except SolverError:
         return row  # the profile of the bias cannot be followed: no interval, no number
-    row |= {"bias": judged.bias, "scatter": judged.scatter, "least": judged.least}
+    row |= {name: judged.summary[name] for name in ("scatter", "low", "high")}
+    row |= {"bias": judged.summary["test_over_prediction"]}
+    row |= {"least": judged.summary["least_test_over_prediction"]}
     row["worst"] = pairs["specimen"].iloc[int(pairs["error"].abs().argmax())]
-    if judged.interval is not None:
-        row |= {"low": judged.interval.low, "high": judged.interval.high}
     return row

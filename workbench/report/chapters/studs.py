@@ -201,7 +201,7 @@ def _left_table(tables: Tables) -> Iterable[Block]:
 # -- the pages of a fit --------------------------------------------------------------------------
 
 
-def warnings_of(tables: Tables) -> list[str]:
+def _warnings(tables: Tables) -> list[str]:
     """Every warning once, the decisive ones first; those of some alone are said to be theirs."""
     if "findings" not in tables:
         return []
@@ -218,8 +218,8 @@ def warnings_of(tables: Tables) -> list[str]:
     ]
 
 
-def of_fit(part: str, head: Head, tables: Tables) -> tuple[Block, ...]:
-    """A part of the pages of a fit: ``shown`` on a terminal, ``answer`` and others of a report."""
+def of_fit(part: str, head: Head, tables: Tables, **values: Any) -> tuple[Block, ...]:
+    """The pages of a fit: ``shown`` on a terminal, the sections of a ``report``."""
     inputs = ("shipped tables" if name == "shipped" else name for name in head["tables"])
-    values = {"sources": " and ".join(inputs), "warnings": warnings_of(tables)}
+    values |= {"sources": " and ".join(inputs), "warnings": _warnings(tables)}
     return page(part, tables, head=head, confidence=head["confidence"], **values)

@@ -36,7 +36,6 @@ LEAST_FREEDOM = 1.0
 BRACKETINGS = 40
 LARGEST_RATIO, RATIOS, RATIO_SHIFT = 1000.0, 80, 0.05  # of r = tau / sigma and its spline
 DENSE = 1500  # points over which the smooth criterion is searched
-PROFILE = "profile likelihood"
 LEAST_CAMPAIGNS = 3  # that tell how much campaigns differ
 MIXED, POINTS = 100.0, 80  # largest tau / sigma of a mixture, beyond which no likelihood is left
 # scale of the half-Cauchy density of tau over sigma: 3 to 6.5 % of new tests lie below the 5 %
@@ -45,17 +44,14 @@ USUAL_RATIO = 1.0
 
 
 class Interval(NamedTuple):
-    """An interval: `low` to `high` at `confidence`, by `method`; None where it is open."""
+    """An interval from `low` to `high`; None where it is open."""
 
     low: float | None
     high: float | None
-    confidence: float
-    method: str
 
     def exponential(self) -> Interval:
         """The interval of a quantity whose logarithm was fitted."""
-        low, high = (None if end is None else float(np.exp(end)) for end in self[:2])
-        return self._replace(low=low, high=high)
+        return Interval(*(None if end is None else float(np.exp(end)) for end in self))
 
 
 def tails_of(share: float) -> tuple[float, float]:
@@ -111,14 +107,14 @@ def profile_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> 
     k = given.index(name)
     centre = float(estimate.theta[k])
     if estimate.is_exact:
-        return Interval(centre, centre, confidence, PROFILE)
+        return Interval(centre, centre)
     nu = freedom_of(estimate, name)
     t = float(stdtrit(nu, 0.5 + 0.5 * confidence))
     rise = (nu + 1.0) * np.log1p(t * t / nu)
     others = np.delete(np.arange(len(given.names)), k)
     error = np.sqrt(estimate.covariance[k, k])
     if not (np.isfinite(error) and error > 0.0):
-        return Interval(None, None, confidence, PROFILE)
+        return Interval(None, None)
     near = estimate.ratio
 
     @cache
@@ -143,7 +139,7 @@ def profile_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> 
     low, high = (_crossing(excess, inner, sign * t * error, float(end)) for sign, end in sides)
     low = None if low is None else min(low, centre)
     high = None if high is None else max(high, centre)
-    return Interval(low, high, confidence, PROFILE)
+    return Interval(low, high)
 
 
 def _crossing(
@@ -182,7 +178,7 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
     from scipy.special import chdtri
 
     if estimate.is_exact:
-        return dict.fromkeys(("sigma", "tau"), Interval(0.0, 0.0, confidence, PROFILE))
+        return dict.fromkeys(("sigma", "tau"), Interval(0.0, 0.0))
     given, s, rise = estimate.problem, estimate.sigma, float(chdtri(1.0, 1.0 - confidence))
     free = np.flatnonzero(~estimate.at_bound)
     m, several = given.count - len(free), given.campaigns > 1
@@ -209,9 +205,9 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
         _crossing(lambda v: of_sigma(np.exp(v)) - lowest - rise, np.log(middle), step, bound)
         for step, bound in ((-0.3, -np.inf), (0.3, np.inf))
     )
-    sigma = Interval(low, high, confidence, PROFILE).exponential()
+    sigma = Interval(low, high).exponential()
     if spline is None:
-        return {"sigma": sigma, "tau": Interval(0.0, None, confidence, PROFILE)}
+        return {"sigma": sigma, "tau": Interval(0.0, None)}
     log_s2 = 2.0 * np.log(s) + np.linspace(-4.0, 4.0, DENSE)
 
     def of_tau(tau: float) -> float:
@@ -224,7 +220,7 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
         _crossing(lambda v: of_tau(v) - lowest - rise, middle, sign * step, bound)
         for sign, bound in ((-1.0, 0.0), (1.0, np.inf))
     )
-    return {"sigma": sigma, "tau": Interval(lowest_tau or 0.0, highest, confidence, PROFILE)}
+    return {"sigma": sigma, "tau": Interval(lowest_tau or 0.0, highest)}
 
 
 class Mixture(NamedTuple):
