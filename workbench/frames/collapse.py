@@ -66,19 +66,13 @@ class CollapseMechanism(NamedTuple):
 
     def works(self, frame: Frame, axial: ArrayLike) -> Array:
         """What each member (members,) takes of that."""
-        lengths = [frame.length(member) for member in frame.members]
-        return -np.asarray(axial) * self.turns(frame) ** 2 * lengths
+        return np.asarray(-np.asarray(axial) * self.turns(frame) ** 2 * frame.lengths)
 
     def turns(self, frame: Frame) -> Array:
         """Rotations of the chords of the members (members,) per unit of work."""
-        number = {node.name: i for i, node in enumerate(frame.nodes)}
-        turns = []
-        for member in frame.members:
-            start, end = frame.node(member.start), frame.node(member.end)
-            dx, dy = end.x - start.x, end.y - start.y
-            moved = self.shape[number[member.end]] - self.shape[number[member.start]]
-            turns.append((dx * moved[1] - dy * moved[0]) / (dx**2 + dy**2))
-        return np.array(turns)
+        (dx, dy), (start, end) = frame.chords.T, self.shape[frame.ends.T]
+        moved = end - start
+        return np.asarray((dx * moved[:, 1] - dy * moved[:, 0]) / (dx**2 + dy**2))
 
 
 def collapse_mechanism(
@@ -89,7 +83,6 @@ def collapse_mechanism(
 ) -> CollapseMechanism | None:
     """`collapse_factor` and how the frame moves there: displacements are the dual variables."""
     counted = [m for m in frame.members if members is None or m.name in members]
-    first = {node.name: 3 * i for i, node in enumerate(frame.nodes)}
     strengths = [member_strength(frame, member) for member in counted]
     moment = max((float(moments.max()) for _, _, moments in strengths), default=1.0)
     force = moment / max((frame.length(member) for member in counted), default=1.0)
@@ -99,7 +92,7 @@ def collapse_mechanism(
     for number, (member, strength) in enumerate(zip(counted, strengths, strict=True)):
         tension, compression, ((sagging, hogging), (far_sagging, far_hogging)) = strength
         unit = np.array([tension, moment, moment])
-        dofs = np.concatenate([first[n] + np.arange(3) for n in (member.start, member.end)])
+        dofs = np.concatenate([3 * frame.number[end.node] + np.arange(3) for end in member.ends])
         balance[dofs, 3 * number : 3 * number + 3] = _equilibrium(frame, member) * unit
         bounds.append((-compression / tension, 1.0))
         # the internal moment is -M1 at the start and +M4 at the end
@@ -133,9 +126,8 @@ def collapse_mechanism(
 
 def _equilibrium(frame: Frame, member: Member) -> Array:
     """Nodal forces (6, 3) of a unit tension and unit end moments."""
-    start, end = frame.node(member.start), frame.node(member.end)
     length = frame.length(member)
-    c, s = (end.x - start.x) / length, (end.y - start.y) / length
+    c, s = frame.chords[frame.members.index(member)] / length
     e, n = np.array([c, s, 0.0]), np.array([-s, c, 0.0]) / length
     turn = np.array([0.0, 0.0, 1.0])
     rows = [np.append(-e, e), np.append(turn + n, -n), np.append(n, turn - n)]
@@ -145,7 +137,7 @@ def _equilibrium(frame: Frame, member: Member) -> Array:
 def member_strength(frame: Frame, member: Member) -> tuple[float, float, Array]:
     """Tension and compression resistance; sagging and hogging plastic moments at both ends."""
     strength = frame.properties(member).strength
-    joints = [frame.joint(name) for name in (member.joint_start, member.joint_end)]
+    joints = frame.joints_of(member)
     ends = np.array([joint.weaker(strength) for joint in joints])
     pinned = [joint.rotational_stiffness == 0.0 for joint in joints]
     ends[pinned, 2:] = 0.0
@@ -220,12 +212,9 @@ class Lines(NamedTuple):
 
 def _lines(frame: Frame, assembly: PlanarAssembly) -> Lines:
     """The lines of a frame and of the dofs of its assembly."""
-    lengths: Array = np.array([frame.length(member) for member in frame.members])
-    number = {node.name: i for i, node in enumerate(frame.nodes)}
-    ends = np.array([(number[member.start], number[member.end]) for member in frame.members])
-    corners = np.array([[assembly.dof(n, c) for n in pair for c in "uv"] for pair in ends])
-    points = np.array([(node.x, node.y) for node in frame.nodes])
-    along = (points[ends[:, 1]] - points[ends[:, 0]]) / lengths[:, None] ** 2
+    lengths = frame.lengths
+    corners = np.array([[assembly.dof(n, c) for n in pair for c in "uv"] for pair in frame.ends])
+    along = frame.chords / lengths[:, None] ** 2
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
     moved, rows = np.zeros((len(lengths), assembly.size)), np.arange(len(lengths))[:, None]
     moved[rows, corners] = np.concatenate([-across, across], axis=1)

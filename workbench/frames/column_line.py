@@ -11,6 +11,7 @@ from workbench.arrays import Array
 from workbench.frames import out_of_domain
 from workbench.frames.elastic import ElasticFrame
 from workbench.frames.members import chains
+from workbench.frames.superelements import series
 from workbench.scenarios import Frame, FrameImpact, Load, Member, Node
 from workbench.scenarios.parts import OVERRIDES
 
@@ -76,7 +77,7 @@ def column_line(scenario: FrameImpact) -> ColumnLine:
     members, line = [frame.member(name) for name in chain.members], chain.nodes
     ends = frame.node(line[0]), frame.node(line[-1])
     chord = np.array([ends[1].x - ends[0].x, ends[1].y - ends[0].y])
-    axis, joints = chord / np.hypot(*chord), chain.joints(frame)
+    axis, joints = chord / np.hypot(*chord), [end.joint for end in chain.ends]
     _refuse_what_no_column_has(scenario, members, line, axis)
     lengths, at = [frame.length(member) for member in members], line.index(struck)
     properties = frame.properties(members[0])
@@ -127,22 +128,12 @@ def _is_fixed(frame: Frame, node: Node, chain: Sequence[str], joint: str, unit: 
 
     Raises `OutOfDomainError` for free ends, and for joints neither stiff nor soft.
     """
-    others = [m for m in frame.members if m.name not in chain and node.name in (m.start, m.end)]
-    sprung = max(node.spring_x, node.spring_y) > 0.0 or node.locked != "none"
-    if not others and not node.held and not sprung:
+    alone = all(end.member.name in chain for end in frame.meeting(node.name))
+    if alone and not node.resisted - {"rotation"}:
         raise out_of_domain("loose-end", node=node.name)
-    stiffnesses = [frame.joint(joint).rotational_stiffness]
-    stiff = any(
-        frame.joint(m.joint_start if m.start == node.name else m.joint_end).rotational_stiffness
-        != 0.0
-        for m in others
-    )
-    if not stiff and "rotation" not in node.held:
-        stiffnesses.append(node.spring_rotation)
-    known = [k for k in stiffnesses if k is not None]
-    if not known:
-        return True
-    share = 0.0 if 0.0 in known else 1.0 / sum(1.0 / k for k in known) / unit
+    turning = frame.turns(node.name, chain) or "rotation" in node.held
+    rigid = None if turning else node.spring_rotation
+    share = series(frame.joint(joint).rotational_stiffness, rigid) / unit
     if PINNED < share < RIGID:
         limits = {"rigid": RIGID, "pinned": PINNED}
         raise out_of_domain("semi-rigid-end", node=node.name, share=share, **limits)
@@ -182,14 +173,12 @@ def _line_above(line: ColumnLine) -> list[str]:
         at = frame.node(nodes[-1])
         if at.held:
             return nodes
-        beyond = []
-        for member in frame.members:
-            if at.name in (member.start, member.end):
-                far = frame.node(member.end if member.start == at.name else member.start)
-                chord = np.array([far.x - at.x, far.y - at.y])
-                across = abs(float(axis[0] * chord[1] - axis[1] * chord[0]))
-                if axis @ chord > 0.0 and across < STRAIGHT_ON * float(np.hypot(*chord)):
-                    beyond.append(far.name)
-        if not beyond:
+        for end in frame.meeting(at.name):
+            far = frame.node(end.other.node)
+            chord = np.array([far.x - at.x, far.y - at.y])
+            across = abs(float(axis[0] * chord[1] - axis[1] * chord[0]))
+            if axis @ chord > 0.0 and across < STRAIGHT_ON * float(np.hypot(*chord)):
+                nodes.append(far.name)
+                break
+        else:
             return nodes
-        nodes.append(beyond[0])

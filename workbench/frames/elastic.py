@@ -47,7 +47,6 @@ class ElasticFrame:
         parts: int = 1,
     ) -> None:
         self._frame = frame
-        self._first = {node.name: 3 * i for i, node in enumerate(frame.nodes)}
         self._counted = [members is None or m.name in members for m in frame.members]
         # of each member: dofs of its parts, stiffness of a part, to local axes
         self._beams: list[tuple[Array, Array, Array]] = []
@@ -60,7 +59,7 @@ class ElasticFrame:
             self._place(member, 3 * len(frame.nodes) + inner * number, self._counted[number])
         held = []
         for node in frame.nodes:
-            at = self._first[node.name]
+            at = 3 * frame.number[node.name]
             self.mass[range(at, at + 3), range(at, at + 3)] += node.mass, node.mass, 0.0
             self.mass[at + 2, at + 2] += node.rotary_inertia
             held += [at + COMPONENTS[component] for component in node.held]
@@ -82,14 +81,11 @@ class ElasticFrame:
     def _place(self, member: Member, spare: int, counted: bool) -> None:
         """Add stiffness and mass of a member; its own dofs begin with `spare`."""
         frame = self._frame
-        start, end = frame.node(member.start), frame.node(member.end)
-        chord = np.array([end.x - start.x, end.y - start.y])
-        length = float(np.hypot(*chord))
-        dofs = np.concatenate([self._first[n] + np.arange(3) for n in (member.start, member.end)])
-        joints = [frame.joint(name) for name in (member.joint_start, member.joint_end)]
+        chord, length = frame.chords[frame.members.index(member)], frame.length(member)
+        dofs = np.concatenate([3 * frame.number[end.node] + np.arange(3) for end in member.ends])
         properties, modulus = frame.properties(member), frame.steel.elastic_modulus
         softness = length / (modulus * properties.area)
-        for side, joint in enumerate(joints):
+        for side, joint in enumerate(frame.joints_of(member)):
             softness += 0.0 if joint.axial_stiffness is None else 1.0 / joint.axial_stiffness
             if joint.rotational_stiffness is not None:
                 node, dofs[3 * side + 2] = dofs[3 * side + 2], spare + side
@@ -262,33 +258,25 @@ def time_to_peak(scenario: FrameImpact, shear_flexible: bool = False) -> float:
     stiffness = np.zeros((3, 3))
     resistance = 0.0
     inertia = striker.mass + frame.node(striker.node).mass
-    for member in frame.members:
-        if striker.node not in (member.start, member.end):
-            continue
-        far = frame.node(member.end if striker.node == member.start else member.start)
-        near = frame.node(striker.node)
-        length = frame.length(member)
-        properties = frame.properties(member)
-        c, s = (far.x - near.x) / length, (far.y - near.y) / length
-        modulus = frame.steel.elastic_modulus
-        axial = modulus * properties.area / length
-        bending = modulus * properties.second_moment / length
+    near = frame.points[frame.number[striker.node]]
+    for end in frame.meeting(striker.node):
+        member, length = end.member, frame.length(end.member)
+        properties, modulus = frame.properties(member), frame.steel.elastic_modulus
+        local = _axes((frame.points[frame.number[end.other.node]] - near) / length)
+        axial, bending = modulus * properties.area / length, modulus * properties.second_moment
         softer = 0.0  # Timoshenko's ratio of bending to shear stiffness
         if shear_flexible:
             shear = shear_stiffness(frame.strength_section(member), frame.steel)
-            softer = 12.0 * bending / (length * shear)
-            bending /= 1.0 + softer
-        e, n = np.array([c, s, 0.0]), np.array([-s, c, 0.0])
-        turned = 6.0 * bending / length * n
-        stiffness += axial * np.outer(e, e) + 12.0 * bending / length**2 * np.outer(n, n)
-        stiffness[2, :2] += turned[:2]
-        stiffness[:2, 2] += turned[:2]
-        stiffness[2, 2] += (4.0 + softer) * bending
-        across, lengthwise = abs(float(n[:2] @ along)), abs(float(e[:2] @ along))
-        resistance += 2.0 * properties.plastic_moment / length * across
-        resistance += properties.squash_load * lengthwise
+            softer = 12.0 * bending / (length**2 * shear)
+        stiff = _stiffness(axial, bending / (1.0 + softer), length)[:3, :3]
+        stiff[2, 2] *= 1.0 + 0.25 * softer
+        stiffness += local[:3, :3].T @ stiff @ local[:3, :3]
+        lengthwise, across = np.abs(local[:2, :2] @ along)
+        resistance += 2.0 * properties.plastic_moment / length * float(across)
+        resistance += properties.squash_load * float(lengthwise)
         inertia += properties.mass_per_length * length / 3.0
-    flexibility = float(np.append(along, 0.0) @ np.linalg.pinv(stiffness) @ np.append(along, 0.0))
+    push = np.append(along, 0.0)
+    flexibility = float(push @ np.linalg.pinv(stiffness) @ push)
     elastic = 0.5 * pi * sqrt(inertia * flexibility)
     return max(elastic, striker.mass * striker.velocity / resistance)
 

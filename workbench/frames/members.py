@@ -10,29 +10,23 @@ import numpy as np
 from workbench.materials import Steel
 from workbench.responses import Finding, finding
 from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, FrameStatic, Member
+from workbench.scenarios.parts import MemberEnd, Node
 from workbench.sections import CircularTube, ISection, Rectangle, Section
 from workbench.structures.fibers.section import BeamSection, LinearHardening
 
 STRAIGHT = 1e-6  # sine of the largest kink
 NAMED = 4  # members that a sentence names
 
-End = tuple[str, bool]  # name of a member, and whether it is its start
-
 
 class Chain(NamedTuple):
     """Names of the `members` and `nodes` in their order from one end of the chain to the other.
 
-    `ends`: the outermost members, and whether that end is the member's own start.
+    `ends`: those of the outermost members.
     """
 
     members: tuple[str, ...]
     nodes: tuple[str, ...]
-    ends: tuple[End, End]
-
-    def joints(self, frame: Frame) -> tuple[str, str]:
-        """Names of the joints at both ends."""
-        first, last = (_joint(frame, end) for end in self.ends)
-        return first, last
+    ends: tuple[MemberEnd, ...]
 
 
 def chains(frame: Frame, kept: Collection[str] = ()) -> list[Chain]:
@@ -41,14 +35,10 @@ def chains(frame: Frame, kept: Collection[str] = ()) -> list[Chain]:
     Two members continue each other at a free node where only they meet, rigidly and in one line.
     Argument: `kept`, names of nodes that end a chain all the same.
     """
-    ends: dict[str, list[End]] = {}
-    for member in frame.members:
-        ends.setdefault(member.start, []).append((member.name, True))
-        ends.setdefault(member.end, []).append((member.name, False))
-    follows: dict[End, End] = {}
+    follows: dict[MemberEnd, MemberEnd] = {}
     for node in frame.nodes:
-        pair = ends.get(node.name, [])
-        if len(pair) == 2 and node.name not in kept and _straight_on(frame, node.name, pair):
+        pair = frame.meeting(node.name)
+        if len(pair) == 2 and node.name not in kept and _straight_on(frame, node, pair):
             follows[pair[0]], follows[pair[1]] = pair[1], pair[0]
     lines: list[Chain] = []
     done: set[str] = set()
@@ -56,17 +46,16 @@ def chains(frame: Frame, kept: Collection[str] = ()) -> list[Chain]:
         if member.name in done:
             continue
         names, nodes = [member.name], [member.start, member.end]
-        outer = {True: (member.name, True), False: (member.name, False)}
-        for at_start, end in outer.items():
-            while end in follows and follows[end][0] not in names:
-                name, came_in = follows[end]
-                end = (name, not came_in)
-                names.insert(0 if at_start else len(names), name)
-                far = frame.member(name)
-                nodes.insert(0 if at_start else len(nodes), far.end if came_in else far.start)
-            outer[at_start] = end
+        outer = []
+        for end in member.ends:
+            at_start = end.at_start
+            while end in follows and follows[end].member.name not in names:
+                end = follows[end].other
+                names.insert(0 if at_start else len(names), end.member.name)
+                nodes.insert(0 if at_start else len(nodes), end.node)
+            outer.append(end)
         done.update(names)
-        lines.append(Chain(tuple(names), tuple(nodes), (outer[True], outer[False])))
+        lines.append(Chain(tuple(names), tuple(nodes), tuple(outer)))
     return lines
 
 
@@ -80,25 +69,13 @@ def eventful(scenario: FrameScenario) -> set[str]:
     return nodes | ({scenario.striker.node} if isinstance(scenario, FrameImpact) else set())
 
 
-def _joint(frame: Frame, end: End) -> str:
-    member = frame.member(end[0])
-    return member.joint_start if end[1] else member.joint_end
-
-
-def _straight_on(frame: Frame, node: str, pair: list[End]) -> bool:
+def _straight_on(frame: Frame, node: Node, pair: list[MemberEnd]) -> bool:
     """Whether the two members that meet at a node continue each other."""
-    at = frame.node(node)
-    if at.held or max(at.spring_x, at.spring_y, at.spring_rotation) > 0.0 or at.locked != "none":
+    if node.resisted or any(end.joint != "rigid" for end in pair):
         return False
-    directions = []
-    for name, starts_here in pair:
-        member = frame.member(name)
-        if _joint(frame, (name, starts_here)) != "rigid":
-            return False
-        far = frame.node(member.end if starts_here else member.start)
-        direction = np.array([far.x - at.x, far.y - at.y])
-        directions.append(direction / np.hypot(*direction))
-    (ax, ay), (bx, by) = directions
+    far = [frame.number[end.other.node] for end in pair]
+    directions = frame.points[far] - (node.x, node.y)
+    (ax, ay), (bx, by) = directions / np.hypot(*directions.T)[:, None]
     return bool(ax * bx + ay * by < 0.0 and abs(ax * by - ay * bx) < STRAIGHT)
 
 
@@ -171,7 +148,7 @@ def shear_demand(scenario: FrameScenario) -> dict[str, float]:
     heavy = {node.name for node in frame.nodes if node.mass > 0.0}
     for chain in chains(frame, eventful(scenario) | heavy):
         length = sum(frame.length(name) for name in chain.members)
-        moment = sum(_end_moment(frame, frame.member(name), start) for name, start in chain.ends)
+        moment = sum(_end_moment(frame, end) for end in chain.ends)
         if set(chain.members) & set(pressed):
             moment = 2.0 * (moment + 2.0 * frame.properties(chain.members[0]).plastic_moment)
         for name in chain.members:
@@ -179,15 +156,13 @@ def shear_demand(scenario: FrameScenario) -> dict[str, float]:
     return demand
 
 
-def _end_moment(frame: Frame, member: Member, at_start: bool) -> float:
+def _end_moment(frame: Frame, end: MemberEnd) -> float:
     """Largest moment that the end of a member can carry, in N m."""
-    joint = frame.joint(member.joint_start if at_start else member.joint_end)
-    node = frame.node(member.start if at_start else member.end)
-    others = [m for m in frame.members if m is not member and node.name in (m.start, m.end)]
-    free = not others and "rotation" not in node.held and node.spring_rotation == 0.0
+    joint, alone = frame.joint(end.joint), len(frame.meeting(end.node)) == 1
+    free = alone and "rotation" not in frame.node(end.node).resisted
     if joint.rotational_stiffness == 0.0 or free:
         return 0.0
-    moment = frame.properties(member).plastic_moment
+    moment = frame.properties(end.member).plastic_moment
     given = [joint.plastic_moment, joint.plastic_moment_negative]
     return min(moment, max((m for m in given if m is not None), default=moment))
 

@@ -155,9 +155,8 @@ class FrameStructure:
     def dof(self, node: str, direction: str) -> tuple[int, float]:
         """Dof and sign of a node's motion along `direction` (x, y or rotation, with a sign)."""
         sign = -1.0 if direction.startswith("-") else 1.0
-        names = [n.name for n in self.frame.nodes]
         component = COMPONENT[direction.lstrip("+-")]
-        return self.assembly.dof(names.index(node), component), sign
+        return self.assembly.dof(self.frame.number[node], component), sign
 
     def pattern(self, loads: Sequence[Load]) -> Array:
         """Nodal forces (dofs,) of `loads`."""
@@ -192,10 +191,8 @@ def member_names(frame: Frame) -> tuple[str, ...]:
 @lru_cache(maxsize=64)
 def upright_names(frame: Frame) -> tuple[str, ...]:
     """Names of the members that stand upright, in their order."""
-    ends = ((m.name, frame.node(m.start), frame.node(m.end)) for m in frame.members)
-    return tuple(
-        name for name, start, end in ends if abs(end.x - start.x) < UPRIGHT * abs(end.y - start.y)
-    )
+    run, rise = np.abs(frame.chords.T)
+    return tuple(frame.members[i].name for i in np.flatnonzero(run < UPRIGHT * rise))
 
 
 def _again(whole: Whole) -> Whole:
@@ -208,9 +205,8 @@ def _again(whole: Whole) -> Whole:
 def nodal_loads(frame: Frame, loads: Sequence[Load]) -> Array:
     """Forces along x and y and moments of `loads` at the nodes of a frame (nodes, 3)."""
     total = np.zeros((len(frame.nodes), 3))
-    number = {node.name: i for i, node in enumerate(frame.nodes)}
     for load in loads:
-        total[number[load.node]] += load.x, load.y, load.moment
+        total[frame.number[load.node]] += load.x, load.y, load.moment
     return total
 
 
@@ -265,5 +261,5 @@ def stand_frame(
 
 def free_to_spin(frame: Frame) -> list[int]:
     """Numbers of nodes whose rotation nothing resists: every member there ends in a pin."""
-    spun = (not (n.name in frame.turned or n.spring_rotation > 0.0) for n in frame.nodes)
-    return [number for number, spins in enumerate(spun) if spins]
+    nodes = enumerate(frame.nodes)
+    return [i for i, n in nodes if n.name not in frame.turned and n.spring_rotation == 0.0]

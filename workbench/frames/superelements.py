@@ -15,6 +15,7 @@ from workbench.arrays import Array, Indices
 from workbench.frames.structure import POINTS, MemberReader
 from workbench.hinges import YieldSurface
 from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, Joint, Member
+from workbench.scenarios.parts import RIGID
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import HingedElements
 from workbench.structures.superelements import HingeEnd, Superelements
@@ -143,16 +144,14 @@ def cut_members(
     Result: coordinates (nodes, 2) in m, those of the frame's nodes first; of every part, in the
     order of the members, the numbers of its nodes, and the part.
     """
-    number = {node.name: i for i, node in enumerate(frame.nodes)}
-    points = [[node.x, node.y] for node in frame.nodes]
+    points = frame.points.tolist()
     nodes: list[tuple[int, int]] = []
     pieces: list[Piece] = []
-    for member, count in zip(frame.members, parts, strict=True):
-        inner = range(len(points), len(points) + count - 1)
-        line = [number[member.start], *inner, number[member.end]]
-        from_, to = np.array(points[line[0]]), np.array(points[line[-1]])
-        points.extend((from_ + (to - from_) * k / count).tolist() for k in range(1, count))
-        nodes.extend(pairwise(line))
+    for member, count, (first, last), chord in zip(
+        frame.members, parts, frame.ends.tolist(), frame.chords, strict=True
+    ):
+        nodes.extend(pairwise([first, *range(len(points), len(points) + count - 1), last]))
+        points.extend((frame.points[first] + chord * k / count).tolist() for k in range(1, count))
         pieces.extend(_piece(frame, member, count, k) for k in range(count))
     return np.array(points), nodes, pieces
 
@@ -171,16 +170,13 @@ def joint_inertias(nodes: Sequence[tuple[int, int]], pieces: Sequence[Piece]) ->
 
 def _piece(frame: Frame, member: Member, parts: int, index: int) -> Piece:
     properties, modulus = frame.properties(member), frame.steel.elastic_modulus
-    rigid = frame.joint("rigid")
-    joints = (
-        frame.joint(member.joint_start) if index == 0 else rigid,
-        frame.joint(member.joint_end) if index == parts - 1 else rigid,
-    )
-    ends = (member.start if index == 0 else None, member.end if index == parts - 1 else None)
-    pins = tuple(
-        0.0 if _turns_freely(frame, member, end) else series(joint.rotational_stiffness)
-        for joint, end in zip(joints, ends, strict=True)
-    )
+    joints, pins = [], []
+    for end, inside in zip(member.ends, (index > 0, index < parts - 1), strict=True):
+        joints.append(RIGID if inside else frame.joint(end.joint))
+        free = not inside and not (
+            frame.turns(end.node, (member.name,)) or "rotation" in frame.node(end.node).resisted
+        )
+        pins.append(0.0 if free else series(joints[-1].rotational_stiffness))
     return Piece(
         member=member,
         index=index,
@@ -188,22 +184,11 @@ def _piece(frame: Frame, member: Member, parts: int, index: int) -> Piece:
         length=frame.length(member) / parts,
         axial=modulus * properties.area,
         bending=modulus * properties.second_moment,
-        joints=joints,
+        joints=(joints[0], joints[1]),
         pins=(pins[0], pins[1]),
         mass=properties.mass_per_length,
         rotary=properties.mass_per_length * properties.second_moment / properties.area,
     )
-
-
-def _turns_freely(frame: Frame, member: Member, name: str | None) -> bool:
-    """Whether nothing at the node of that name resists the rotation of the member."""
-    if name is None:
-        return False
-    node = frame.node(name)
-    others = [m for m in frame.members if m is not member and name in (m.start, m.end)]
-    joints = [m.joint_start if m.start == name else m.joint_end for m in others]
-    stiff = any(frame.joint(joint).rotational_stiffness != 0.0 for joint in joints)
-    return not (stiff or "rotation" in node.held or node.spring_rotation > 0.0)
 
 
 def joint_surface(member: YieldSurface, joint: Joint) -> YieldSurface:

@@ -31,7 +31,7 @@ def catenary_reach(scenario: FrameImpact) -> float:
     of a member that is held carries as much as its moments do.
     """
     frame, demand = scenario.frame, shear_demand(scenario)
-    struck = [m for m in frame.members if scenario.striker.node in (m.start, m.end)]
+    struck = [end.member for end in frame.meeting(scenario.striker.node)]
     force = sum(demand[m.name] * frame.properties(m).shear_resistance for m in struck)
     properties = frame.properties(struck[0])
     return (

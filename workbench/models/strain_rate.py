@@ -153,7 +153,7 @@ def about_bars(frame: Frame) -> list[Finding]:
         if not has_shear_surface(section):
             return [finding("no-plane-webs", name=section.name)]
         surface = YieldSurface(p.squash_load, p.plastic_moment)
-        for joint in map(frame.joint, (member.joint_start, member.joint_end)):
+        for joint in frame.joints_of(member):
             if joint.rotational_stiffness != 0.0 and joint_surface(surface, joint) != surface:
                 return [finding("joint-of-bars", name=joint.name, member=member.name)]
     return []

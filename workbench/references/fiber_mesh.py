@@ -79,7 +79,7 @@ def member_lengths(
     depths = inf if static or largest else rule.largest_depth
     largest = largest or bound * _longest(frame)
     node = scenario.striker.node if isinstance(scenario, FrameImpact) else scenario.node
-    shorter = min(frame.length(m) for m in frame.members if node in (m.start, m.end))
+    shorter = min(frame.length(end.member) for end in frame.meeting(node))
     wanted = smallest or min(rule.share * shorter, largest)
     coarser = 2.0 ** max(-refinement, 0)
     result = []
@@ -135,15 +135,13 @@ class FrameMesh(NamedTuple):
 
 def mesh_frame(frame: Frame, lengths: list[Array]) -> FrameMesh:
     """Cut the members into elements of the given lengths (m), in the order of the members."""
-    number = {node.name: i for i, node in enumerate(frame.nodes)}
-    points = [[node.x, node.y] for node in frame.nodes]
+    points = frame.points.tolist()
     nodes: list[tuple[int, int]] = []
     joints: list[tuple[int, bool, int, int]] = []
     for index, (member, parts) in enumerate(zip(frame.members, lengths, strict=True)):
-        ends = [number[member.start], number[member.end]]
-        from_, to = np.array(points[ends[0]]), np.array(points[ends[1]])
-        for side, name in enumerate((member.joint_start, member.joint_end)):
-            joint = frame.joint(name)
+        ends = frame.ends[index].tolist()
+        start, chord = frame.points[ends[0]], frame.chords[index]
+        for side, joint in enumerate(frame.joints_of(member)):
             moments = joint.plastic_moment, joint.plastic_moment_negative
             if (joint.rotational_stiffness, *moments) != (None, None, None):
                 joints.append((index, side == 0, ends[side], len(points)))
@@ -151,9 +149,8 @@ def mesh_frame(frame: Frame, lengths: list[Array]) -> FrameMesh:
                 ends[side] = len(points) - 1
         inner = range(len(points), len(points) + len(parts) - 1)
         shares = np.cumsum(parts[:-1]) / np.sum(parts)
-        points.extend((from_ + share * (to - from_)).tolist() for share in shares)
-        line = [ends[0], *inner, ends[1]]
-        nodes.extend(pairwise(line))
+        points.extend((start + np.multiply.outer(shares, chord)).tolist())
+        nodes.extend(pairwise([ends[0], *inner, ends[1]]))
     counts = [len(parts) for parts in lengths]
     return FrameMesh(
         np.array(points),
@@ -290,7 +287,7 @@ def joint_springs(frame: Frame, mesh: FrameMesh) -> JointSprings | None:
     pairs, springs = [], []
     for index, at_start, master, slave in mesh.joints:
         member = frame.members[index]
-        joint = frame.joint(member.joint_start if at_start else member.joint_end)
+        joint = frame.joints_of(member)[not at_start]
         stiffness = joint.rotational_stiffness
         if stiffness is None:
             bending = frame.steel.elastic_modulus * frame.properties(member).second_moment

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import hypot
@@ -11,7 +11,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from workbench.arrays import Array
+from workbench.arrays import Array, Indices
 from workbench.errors import InputError
 from workbench.fields import Declared, Flag, Instance, Many, checked, did_you_mean
 from workbench.materials import Steel
@@ -22,6 +22,7 @@ from workbench.scenarios.parts import (
     Joint,
     Load,
     Member,
+    MemberEnd,
     MemberProperties,
     Node,
     member_properties,
@@ -77,7 +78,7 @@ class Frame(Declared, table="frame"):
         pairs = [frozenset((member.start, member.end)) for member in self.members]
         text = "joins the same nodes as member {}"
         _check_unique(self.members, pairs, text, "drop one of them")
-        _check_connected(self.nodes, self.members)
+        _check_connected(self)
         _check_supported(self)
 
     def _check_member(self, member: Member) -> None:
@@ -108,9 +109,57 @@ class Frame(Declared, table="frame"):
     @cached_property
     def turned(self) -> set[str]:
         """Names of nodes that cannot turn without a member."""
-        ends = [(m.start, m.joint_start) for m in self.members]
-        ends += [(m.end, m.joint_end) for m in self.members]
-        return {node for node, joint in ends if self.joint(joint).rotational_stiffness != 0.0}
+        return {node.name for node in self.nodes if self.turns(node.name)}
+
+    def turns(self, node: str, without: Collection[str] = ()) -> bool:
+        """Whether a member turns with a node; those of the names `without` do not count."""
+        return any(
+            self.joint(end.joint).rotational_stiffness != 0.0
+            for end in self.meeting(node)
+            if end.member.name not in without
+        )
+
+    @cached_property
+    def _meeting(self) -> dict[str, list[MemberEnd]]:
+        meeting: dict[str, list[MemberEnd]] = {node.name: [] for node in self.nodes}
+        for member in self.members:
+            for end in member.ends:
+                meeting[end.node].append(end)
+        return meeting
+
+    def meeting(self, node: str) -> list[MemberEnd]:
+        """Ends of the members that meet at the node of this name, in the order of the members."""
+        return self._meeting[node]
+
+    @cached_property
+    def number(self) -> dict[str, int]:
+        """Numbers of the nodes by their names."""
+        return {node.name: i for i, node in enumerate(self.nodes)}
+
+    @cached_property
+    def points(self) -> Array:
+        """Coordinates of the nodes (nodes, 2), in m."""
+        return np.array([(node.x, node.y) for node in self.nodes], dtype=float)
+
+    @cached_property
+    def ends(self) -> Indices:
+        """Numbers of the nodes at start and end of each member (members, 2)."""
+        return np.array([(self.number[m.start], self.number[m.end]) for m in self.members])
+
+    @cached_property
+    def chords(self) -> Array:
+        """Vectors from the start of each member to its end (members, 2), in m."""
+        start, end = self.points[self.ends.T]
+        return np.asarray(end - start)
+
+    @cached_property
+    def lengths(self) -> Array:
+        """Lengths of the members (members,), in m."""
+        return np.array([self.length(member) for member in self.members])
+
+    def joints_of(self, member: Member) -> tuple[Joint, Joint]:
+        """Return the joints at the start and at the end of a member."""
+        return self.joint(member.joint_start), self.joint(member.joint_end)
 
     @cached_property
     def _properties(self) -> dict[str, MemberProperties]:
@@ -134,7 +183,7 @@ class Frame(Declared, table="frame"):
     @cached_property
     def extent(self) -> float:
         """Diagonal of the box around the nodes, in m."""
-        return hypot(np.ptp([n.x for n in self.nodes]), np.ptp([n.y for n in self.nodes]))
+        return hypot(*np.ptp(self.points, axis=0))
 
     @cached_property
     def load_masses(self) -> dict[str, float]:
@@ -214,18 +263,15 @@ def _check_unique(parts: Sequence[Any], keys: Sequence[Hashable], text: str, adv
             raise part.refusal("", text.format(first[key].name), advice)
 
 
-def _check_connected(nodes: Sequence[Node], members: Sequence[Member]) -> None:
+def _check_connected(frame: Frame) -> None:
     """Refuse nodes that no chain of members joins to the first one (`InputError`)."""
-    beside: dict[str, list[str]] = {node.name: [] for node in nodes}
-    for member in members:
-        beside[member.start].append(member.end)
-        beside[member.end].append(member.start)
+    nodes = frame.nodes
     for node in nodes:
-        if not beside[node.name]:
+        if not frame.meeting(node.name):
             raise node.refusal("", "no member ends there", "drop the node")
     reached, ahead = {nodes[0].name}, [nodes[0].name]
     while ahead:
-        new = set(beside[ahead.pop()]) - reached
+        new = {end.other.node for end in frame.meeting(ahead.pop())} - reached
         reached |= new
         ahead += new
     apart = next((node.name for node in nodes if node.name not in reached), None)
@@ -240,10 +286,9 @@ def _check_supported(frame: Frame) -> None:
 
     Springs and locks act only once the dead loads are on, which the supports carry before.
     """
-    places = np.array([[node.x, node.y] for node in frame.nodes])
-    centre, size = places.mean(axis=0), frame.extent
+    centre, size = frame.points.mean(axis=0), frame.extent
     rows = []
-    for node, (x, y) in zip(frame.nodes, (places - centre) / size, strict=True):
+    for node, (x, y) in zip(frame.nodes, (frame.points - centre) / size, strict=True):
         # what a motion of the whole does to each displacement of the node
         motion = {"u": (1.0, 0.0, -y), "v": (0.0, 1.0, x), "rotation": (0.0, 0.0, 1.0)}
         held = set(node.held) if frame.loads else node.resisted

@@ -5,7 +5,7 @@ Directions are global: x to the right, y up, rotation counter-clockwise.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from workbench.fields import Choice, Declared, Number, Text, checked
 from workbench.materials import Steel
@@ -205,6 +205,33 @@ class Member(Declared, table="member", label="name"):
         """Refuse a member from a node to itself."""
         if self.start == self.end:
             raise self.refusal("end", "must be another node than the start")
+
+    @property
+    def ends(self) -> "tuple[MemberEnd, MemberEnd]":
+        """Both ends, the start first."""
+        return MemberEnd(self, True), MemberEnd(self, False)
+
+
+class MemberEnd(NamedTuple):
+    """The start of a `member`, or its other end."""
+
+    member: Member
+    at_start: bool
+
+    @property
+    def node(self) -> str:
+        """Name of the node there."""
+        return self.member.start if self.at_start else self.member.end
+
+    @property
+    def joint(self) -> str:
+        """Name of the joint there."""
+        return self.member.joint_start if self.at_start else self.member.joint_end
+
+    @property
+    def other(self) -> "MemberEnd":
+        """The other end of the member."""
+        return MemberEnd(self.member, not self.at_start)
 
 
 @dataclass(frozen=True)
