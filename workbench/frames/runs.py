@@ -27,6 +27,7 @@ from workbench.structures.paths import PathStep
 GONE_FAR = 0.3  # movement of a member's ends across its axis, over its length
 LARGEST_DAMPING = 0.05  # of the input energy, up to the peak; peaks are then 2 to 5 % too small
 LEAST_STEPS_TO_PEAK = 30
+LEAST_YIELD_RATIO = 0.99  # plastic work over that of stresses at yield
 LARGEST_SHEAR_STRAIN = 0.15  # mean of a member; a solid carries 7 % more from there on
 OVER = 0.9, 0.99  # of impulse and plastic work, after which little is left but vibrations
 YIELDED = 1e-3  # share of plastic work in all energy from which it counts
@@ -38,13 +39,11 @@ def run_impact(
     record: Record,
     steps: Iterator[Any],
     largest_error: float | None,
-    least_yield_ratio: float,
 ) -> Response:
     """Follow `steps` of the impact driver on the structure of a `record`, under its dead loads.
 
-    Arguments: `largest_error` of the energy ledger over the input energy (None: whatever it is);
-    `least_yield_ratio` without a warning. Raises `SolverError`, and `CollapseError` when the frame
-    collapses.
+    Argument: `largest_error` of the energy ledger over the input energy (None: whatever it is).
+    Raises `SolverError`, and `CollapseError` when the frame collapses.
     """
     striker, input_energy, structure = scenario.striker, scenario.input_energy, record.structure
     _follow(record, scenario, steps)
@@ -61,7 +60,7 @@ def run_impact(
         "contact_loss": record.total("contact_loss"),
         "input_energy": input_energy,
     }
-    warnings += _softened(record, least_yield_ratio) + _impact_accuracy(record, input_energy)
+    warnings += _softened(record) + _impact_accuracy(record, input_energy)
     if not structure.is_column:
         key = f"sway {striker.node} {striker.direction}"
         if key not in structure.found:
@@ -105,7 +104,6 @@ def run_driven(
     scenario: FrameGroundMotion | FramePulse,
     structure: FrameStructure,
     steps: Iterator[Any],
-    least_yield_ratio: float,
     whole: float = 1.0,
 ) -> Response:
     """Follow `steps` of the driver of ground motion or of a pulse on a frame under its dead loads.
@@ -125,7 +123,7 @@ def run_driven(
         "external_work": work + record.total("external_work"),
         "input_energy": np.max(np.abs(work)),
     }
-    warnings = _softened(record, least_yield_ratio)
+    warnings = _softened(record)
     if isinstance(scenario, FramePulse):
         load = values["load"] = scenario.pulse.force(record.column("at")) * whole
         residual, of_it = _residual(record, scenario, scenario.node, scenario.direction, load)
@@ -227,9 +225,9 @@ def _impact_accuracy(record: Record, input_energy: float) -> list[Finding]:
     return findings
 
 
-def _softened(record: Record, least: float) -> list[Finding]:
-    """Whether averaging over the steps has softened what yields: a yield ratio below `least`."""
-    ratio = record.yield_ratio()
+def _softened(record: Record) -> list[Finding]:
+    """Whether averaging over the steps has softened what yields, by the yield ratio."""
+    ratio, least = record.yield_ratio(), LEAST_YIELD_RATIO
     return [] if ratio is None or ratio >= least else [finding("yield-ratio", ratio, least=least)]
 
 

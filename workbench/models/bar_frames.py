@@ -9,7 +9,6 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.fields import Choice, Number, checked
 from workbench.frames.elastic import Spans, spans_to, time_to_peak, wave_times
-from workbench.frames.runs import OPEN_LEDGER
 from workbench.frames.structure import FrameStructure, stand_frame
 from workbench.frames.superelements import (
     FEWEST_LOADED,
@@ -23,55 +22,53 @@ from workbench.models.frame_model import FrameModel, as_frame
 from workbench.responses import Finding, finding
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FramePulse, FrameScenario
 from workbench.structures.elements import HingedElements
-from workbench.structures.impact import INTEGRATORS, MIDPOINT, MOREAU
+from workbench.structures.impact import INTEGRATORS, MIDPOINT
 
 PEAK_STEPS = 150.0  # time steps up to the expected peak
 LEAST_STEPS = 100.0  # of a record
-WEIGHT = 0.5  # of the end forces in a time step: conserves energy
 GEOMETRIES = ("co-rotational", "linear")
 Cut = tuple[Array, list[tuple[int, int]], list[Piece]]  # see `cut_members`
 
 
 @dataclass(frozen=True)
 class BarFrames(FrameModel):
-    """Frames of a few bars per member.
+    """Frames of a few bars per member."""
 
-    Shared options: `elements` per member (None: one, of loaded members more, see `struck_parts`);
-    `integrator`; `time_step` in s (None: 1/150 of the expected time to the peak, four times as long
-    after six such times, at most the time of a wave along an element and back, half of that with
-    restitution); `node_inertia`, rotary inertia of every node in kg m2 (None: that of half a
-    section depth of the heaviest bar there): without it the rotation of a joint at which all
-    hinges yield is indeterminate; `regularisation`, share of the elastic stiffness beside the
-    perfectly plastic hinges; `geometry`, co-rotational or linear (equilibrium of the undeformed
-    frame: first-order theory, for comparison).
-    """
-
-    elements: int | None = checked(Number(1, 100, integer=True), optional=True)
-    integrator: str = checked(Choice(INTEGRATORS), MIDPOINT)
-    time_step: float | None = checked(Number(1e-8, 1.0, "s"), optional=True)
-    node_inertia: float | None = checked(Number(0.0, 1e6, "kg m2"), optional=True)
-    regularisation: float = checked(
-        Number(0.0, 0.1, advice="a share of the elastic stiffness, 1e-6 by default"), 1e-6
+    elements: int | None = checked(
+        Number(1, 100, integer=True), optional=True, help="per member (None: one, of loaded more)"
     )
-    geometry: str = checked(Choice(GEOMETRIES), "co-rotational")
+    integrator: str = checked(Choice(INTEGRATORS), MIDPOINT)
+    time_step: float | None = checked(
+        Number(1e-8, 1.0, "s"),
+        optional=True,
+        help="None: 1/150 of the expected time to the peak, four times as long after six such "
+        "times, at most the time of a wave along an element and back, half of that with "
+        "restitution; of superelements by the error",
+    )
+    node_inertia: float | None = checked(
+        Number(0.0, 1e6, "kg m2"),
+        optional=True,
+        help="rotary inertia of every node (None: that of half a section depth of the heaviest bar "
+        "there), without which the rotation of a joint whose hinges all yield is indeterminate",
+    )
+    regularisation: float = checked(
+        Number(0.0, 0.1, advice="a share of the elastic stiffness, 1e-6 by default"),
+        1e-6,
+        help="share of the elastic stiffness beside perfectly plastic hinges",
+    )
+    geometry: str = checked(
+        Choice(GEOMETRIES),
+        "co-rotational",
+        help="linear: equilibrium of the undeformed frame, first-order theory for comparison",
+    )
 
     least_parts: ClassVar[int] = 1  # of a struck member, and what their number is a multiple of
     far_parts: ClassVar[int] = 2  # of members far from the struck one; of one, mass is at the ends
 
     @property
-    def scheme(self) -> tuple[float | None, str]:
-        """Forces of the middle of a time step, which conserve energy, and the integrator."""
-        return WEIGHT, self.integrator
-
-    @property
     def crushing(self) -> bool:
         """Whether its steps know a striker that crushes."""
         return self.integrator == MIDPOINT
-
-    @property
-    def largest_error(self) -> float | None:
-        """That of the energy ledger, which is open by design with Moreau's time stepping."""
-        return None if self.integrator == MOREAU else OPEN_LEDGER
 
     @property
     def first_order(self) -> bool:
@@ -83,12 +80,11 @@ class BarFrames(FrameModel):
         event = as_frame(scenario)
         parts = self.parts(event)
         findings = super().domain(scenario) + hit_mass_findings(event, parts)
-        if not isinstance(event, FramePulse) or not event.members:
-            return findings
-        names = [member.name for member in event.frame.members]
-        fewest = min(parts[names.index(name)] for name in event.members)
-        if fewest < FEWEST_LOADED:
-            findings.append(finding("line-load", fewest, fewest=fewest, wanted=FEWEST_LOADED))
+        if isinstance(event, FramePulse) and event.members:
+            pairs = zip(event.frame.members, parts, strict=True)
+            fewest = min(count for member, count in pairs if member.name in event.members)
+            if fewest < FEWEST_LOADED:
+                findings.append(finding("line-load", fewest, fewest=fewest, wanted=FEWEST_LOADED))
         return findings
 
     def parts(self, scenario: FrameScenario) -> list[int]:

@@ -69,21 +69,26 @@ def derive_column(
 
 @dataclass(frozen=True)
 class ColumnOfFrame(Answering):
-    """The impacted column of a frame, the rest of it as a spring, a mass and a dead load.
+    """The impacted column of a frame, the rest of it as a spring, a mass and a dead load."""
 
-    Options: `model` of the column, four-dof, single-dof, energy-estimate or rigid-superelement,
-    each with its own defaults; `head_mass`, what moves with the head: column-line (half of all
-    members that meet the line of columns above the struck one, that line whole, and the point
-    masses on it), joint (the same of the head alone), deflected-shape (generalised mass of the
-    frame without the column in the deflection of its spring) or none; `head`, joined (guided,
-    unless the column ends in a pin) or pinned; `restraint`, elastic or yielding: at the force at
-    which the frame without the column collapses (rigid-superelement only).
-    """
-
-    model: str = checked(Choice(tuple(MODELS)), FourDof.name)
-    head_mass: str = checked(Choice(HEAD_MASSES), "column-line")
-    head: str = checked(Choice(HEADS), "joined")
-    restraint: str = checked(Choice(RESTRAINTS), "elastic")
+    model: str = checked(Choice(tuple(MODELS)), FourDof.name, help="of the column, by its defaults")
+    head_mass: str = checked(
+        Choice(HEAD_MASSES),
+        "column-line",
+        help="what moves with the head: half of all members that meet the line of columns above "
+        "the struck one, that line whole and the point masses on it; joint: the same of the head "
+        "alone; deflected-shape: generalised mass of the frame without the column in the "
+        "deflection of its spring",
+    )
+    head: str = checked(
+        Choice(HEADS), "joined", help="joined: guided, unless the column ends in a pin"
+    )
+    restraint: str = checked(
+        Choice(RESTRAINTS),
+        "elastic",
+        help="yielding: at the force at which the frame without the column collapses "
+        "(rigid-superelement only)",
+    )
 
     name: ClassVar[str] = "column-of-frame"
     version: ClassVar[int] = 4

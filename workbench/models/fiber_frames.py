@@ -47,14 +47,12 @@ RESULTANTS = (
 
 @dataclass(frozen=True)
 class ForceBased(BarHinges):
-    """Force-based elements.
+    """Force-based elements of fibers; `regularisation` is not used here."""
 
-    Shared options: `layers` over the depth; `hardening_ratio`, kinematic hardening over the elastic
-    modulus; `regularisation` is not used here.
-    """
-
-    layers: int = checked(Number(4, 1000, integer=True), 20)
-    hardening_ratio: float = checked(Number(1e-9, 0.1), 1e-6)
+    layers: int = checked(Number(4, 1000, integer=True), 20, help="over the depth, an even number")
+    hardening_ratio: float = checked(
+        Number(1e-9, 0.1), 1e-6, help="kinematic hardening over the elastic modulus"
+    )
 
     second_order: ClassVar[bool] = False
     euler_share: ClassVar[float] = 0.0
@@ -89,9 +87,9 @@ class ForceBased(BarHinges):
 
 @dataclass(frozen=True)
 class ForceBasedBeam(ForceBased):
-    """Force-based fiber element with Gauss-Lobatto points; option: `points` along an element."""
+    """Force-based fiber element with Gauss-Lobatto points."""
 
-    points: int = checked(Number(3, 20, integer=True), 5)
+    points: int = checked(Number(3, 20, integer=True), 5, help="along an element")
 
     name: ClassVar[str] = "force-based-beam"
     version: ClassVar[int] = 6
@@ -109,12 +107,9 @@ class ForceBasedBeam(ForceBased):
 
 @dataclass(frozen=True)
 class FiberHinge(ForceBased):
-    """Fibers at both ends of an element that is elastic between.
+    """Fibers at both ends of an element that is elastic between."""
 
-    Options: `hinge_length` over the depth of the section.
-    """
-
-    hinge_length: float = checked(Number(0.01, 10.0), 1.0)
+    hinge_length: float = checked(Number(0.01, 10.0), 1.0, help="over the depth of the section")
 
     name: ClassVar[str] = "fiber-hinge"
     version: ClassVar[int] = 6
@@ -132,13 +127,11 @@ class FiberHinge(ForceBased):
 
 @dataclass(frozen=True)
 class Resultants(BarHinges):
-    """Force-based elements, each section of which is a law of N and M.
+    """Force-based elements, each section of which is a law of N and M."""
 
-    Shared options: Gauss-Lobatto `points` along an element, whose ends are among them;
-    `regularisation`, share of the elastic stiffness beside the sections.
-    """
-
-    points: int = checked(Number(3, 20, integer=True), 5)
+    points: int = checked(
+        Number(3, 20, integer=True), 5, help="Gauss-Lobatto points along an element, ends included"
+    )
 
     second_order: ClassVar[bool] = False
     euler_share: ClassVar[float] = 1.0 / 16.0
@@ -175,14 +168,15 @@ class Resultants(BarHinges):
 
 @dataclass(frozen=True)
 class BoundingSurface(Resultants):
-    """Yield surface within a bounding surface, both super-elliptic, smooth between them.
+    """Yield surface within a bounding surface, both super-elliptic, smooth between them."""
 
-    Options: `inner`, size of the yield surface over that of the bounding one (None: where fibers
-    of the section begin to yield in bending, at least a half); `residual_stress` of these fibers.
-    """
-
-    inner: float | None = checked(Number(0.5, 1.0), optional=True)
-    residual_stress: str = checked(Choice(PATTERNS), "none")
+    inner: float | None = checked(
+        Number(0.5, 1.0),
+        optional=True,
+        help="size of the yield surface over that of the bounding one (None: where fibers of the "
+        "section begin to yield in bending, at least a half)",
+    )
+    residual_stress: str = checked(Choice(PATTERNS), "none", help="of these fibers")
 
     name: ClassVar[str] = "bounding-surface"
     version: ClassVar[int] = 1
@@ -211,13 +205,14 @@ class BoundingSurface(Resultants):
 
 @dataclass(frozen=True)
 class ModifiedTangentModulus(Resultants):
-    """Plastic hinges on members whose modulus falls with the axial force.
+    """Plastic hinges on members whose modulus falls with the axial force."""
 
-    Options: `minor_weight` of the moment beside the axial force, 0.65 for members that bend about
-    their minor axis (whose second moment and plastic moment they must state), 0 about the major.
-    """
-
-    minor_weight: float = checked(Number(0.0, 1.0), 0.0)
+    minor_weight: float = checked(
+        Number(0.0, 1.0),
+        0.0,
+        help="of the moment beside the axial force: 0 for members that bend about their major "
+        "axis, 0.65 about the minor one (whose second moment and plastic moment they must state)",
+    )
 
     name: ClassVar[str] = "modified-tangent-modulus"
     version: ClassVar[int] = 1

@@ -39,7 +39,7 @@ from workbench.scenarios.pulse import line_integral
 from workbench.structures.arc_length import follow_arc
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact, lumped_mass
-from workbench.structures.impact import impact
+from workbench.structures.impact import MIDPOINT, MOREAU, impact
 from workbench.structures.paths import PathStep, follow_displacement, follow_load
 from workbench.structures.time_steps import (
     PointMass,
@@ -53,6 +53,7 @@ Taken = TypeVar("Taken")
 PUSH_STEPS = 1000  # load steps over the range of a static path, before refinement
 PERIOD_STEPS = 100.0  # time steps of a fundamental period, at least
 PULSE_STEPS = 20.0  # of the length of a pulse, at least
+IMPLICIT, EXPLICIT = "implicit", "explicit"  # integrators of references
 COLUMNS = (ColumnImpact, ColumnPushover, MemberPulse)
 COLUMN_HINGES = ("base", "hit-below", "hit-above", "head")
 
@@ -98,8 +99,9 @@ class Clock:
 class FrameModel(ABC, Declared, table="option"):
     """A model of frames, which takes a column as a frame and reports it as a column.
 
-    `time_step` in s (None: by rule); `largest_error` of the energy ledger and `least_yield_ratio`
-    of an impact, see `run_impact`; `collision_halvings`, see `impact`.
+    Of a time step `weight`, that of the end stresses (one half conserves energy), and `integrator`;
+    `time_step` in s (None: by rule); `halvings`, how often steps are halved; `collision_halvings`,
+    see `impact`.
     """
 
     name: ClassVar[str]
@@ -108,9 +110,10 @@ class FrameModel(ABC, Declared, table="option"):
     answers: ClassVar[tuple[str, ...]] = tuple(
         kind.KIND for kind in (FrameStatic, FrameImpact, FrameGroundMotion, FramePulse, *COLUMNS)
     )
-    least_yield_ratio: ClassVar[float] = 0.99
     collision_halvings: ClassVar[int] = 0
 
+    weight: float = 0.5
+    integrator: str
     time_step: float | None
 
     @property
@@ -119,14 +122,12 @@ class FrameModel(ABC, Declared, table="option"):
         """Bibliography keys of the model and of the options that are on."""
 
     @property
-    @abstractmethod
-    def scheme(self) -> tuple[float | None, str]:
-        """Weight of the end stresses in a time step (None: explicit), and the integrator."""
-
-    @property
     def largest_error(self) -> float | None:
-        """Error of the energy ledger over the input energy that an impact may have."""
-        return OPEN_LEDGER
+        """Error of the energy ledger over the input energy that an impact may have.
+
+        None of Moreau's time stepping, by which the ledger is open.
+        """
+        return None if self.integrator == MOREAU else OPEN_LEDGER
 
     @property
     def halvings(self) -> int:
@@ -189,7 +190,7 @@ class FrameModel(ABC, Declared, table="option"):
 
     def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
         """Answer it on a structure of its own, see `structure` and `as_column`."""
-        least, clock = self.least_yield_ratio, Clock()
+        clock = Clock()
         if isinstance(scenario, FrameStatic):
             path = clock.timed(self._push(scenario, structure))
             response = run_static(scenario, structure, path)
@@ -200,10 +201,10 @@ class FrameModel(ABC, Declared, table="option"):
             pattern += structure.line_load(scenario.members, scenario.direction)
             whole = abs(float(np.sum(pattern)))
             steps = clock.timed(self._press(scenario, structure, pattern))
-            response = run_driven(scenario, structure, steps, least, whole)
+            response = run_driven(scenario, structure, steps, whole)
         else:
             steps = clock.timed(self._shake(scenario, structure))
-            response = run_driven(scenario, structure, steps, least)
+            response = run_driven(scenario, structure, steps)
         response.attrs["solve_time"] = clock.seconds
         return response
 
@@ -211,7 +212,7 @@ class FrameModel(ABC, Declared, table="option"):
         """The response to an impact, its steps timed by the `clock`."""
         striker, steps = scenario.striker, clock.timed(self._hit(scenario, structure))
         record = Record(structure, striker.node, striker.direction, scenario.duration)
-        return run_impact(scenario, record, steps, self.largest_error, self.least_yield_ratio)
+        return run_impact(scenario, record, steps, self.largest_error)
 
     def _push(self, scenario: FrameStatic, structure: FrameStructure) -> Iterator[PathStep]:
         """Steps of a static path; paths to and fro have longer ones, four times as many in all."""
@@ -232,16 +233,17 @@ class FrameModel(ABC, Declared, table="option"):
         striker, assembly, spans = scenario.striker, structure.assembly, self.time_spans(scenario)
         dof, sign = structure.dof(striker.node, striker.direction)
         mass = PointMass.of(striker)
-        weight, integrator = self.scheme
-        if weight is None:
+        if self.integrator == EXPLICIT:
             try:
                 lumped_mass(assembly)
             except ValueError as error:
                 raise OutOfDomainError(f"{error}: take implicit steps") from error
             return explicit_impact(assembly, dof, mass, spans, spans[0][1], sign=sign)
-        halvings = self.collision_halvings
         return impact(
-            assembly, dof, mass, spans, weight, sign=sign, integrator=integrator, halvings=halvings
+            *(assembly, dof, mass, spans, self.weight),
+            sign=sign,
+            integrator=MIDPOINT if self.integrator == IMPLICIT else self.integrator,
+            halvings=self.collision_halvings,
         )
 
     def _shake(self, scenario: FrameGroundMotion, structure: FrameStructure) -> Iterator[TimeStep]:
@@ -249,8 +251,11 @@ class FrameModel(ABC, Declared, table="option"):
 
         By rule they are 1/100 of the fundamental period, at most the step of the acceleration.
         """
-        weight = self._implicit_weight()
-        assembly, duration = structure.assembly, float(scenario.duration or 0.0)
+        weight, assembly, duration = (
+            self._implicit(),
+            structure.assembly,
+            float(scenario.duration or 0.0),
+        )
         driven = assembly.mass_times(rigid_displacement(assembly, scenario.direction))
         step = self.time_step
         if step is None:
@@ -258,8 +263,7 @@ class FrameModel(ABC, Declared, table="option"):
         times = scenario.time_step * np.arange(len(scenario.acceleration))
         velocity = line_integral(times, scenario.acceleration)  # of the ground
         spans = [(duration, step / 2.0**self.halvings)]
-        mean = _mean_of(velocity)
-        return follow_force(assembly, -driven, mean, spans, weight, scenario.damping)
+        return follow_force(assembly, -driven, _mean_of(velocity), spans, weight, scenario.damping)
 
     def _press(
         self, scenario: FramePulse, structure: FrameStructure, pattern: Array
@@ -268,7 +272,7 @@ class FrameModel(ABC, Declared, table="option"):
 
         By rule they are 1/100 of the period of its shape, and 1/20 of the pulse while it lasts.
         """
-        weight, share = self._implicit_weight(), 0.5**self.halvings
+        weight, share = self._implicit(), 0.5**self.halvings
         later = self.time_step
         if later is None:
             period = _fundamental_period(structure.assembly, pattern)
@@ -279,13 +283,11 @@ class FrameModel(ABC, Declared, table="option"):
         mean = _mean_of(scenario.pulse.impulse)
         return follow_force(structure.assembly, pattern, mean, spans, weight)
 
-    def _implicit_weight(self) -> float:
+    def _implicit(self) -> float:
         """Weight of the end stresses; explicit steps are known for impacts only."""
-        weight, _ = self.scheme
-        if weight is None:
-            text = "explicit steps are known for impacts only: take implicit ones"
-            raise OutOfDomainError(text)
-        return weight
+        if self.integrator == EXPLICIT:
+            raise OutOfDomainError("explicit steps are known for impacts only: take implicit ones")
+        return self.weight
 
 
 def _mean_of(integral: Callable[[Array], Array]) -> Callable[[float, float], float]:

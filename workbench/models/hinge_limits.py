@@ -1,7 +1,6 @@
 """What limits hinges at the ends of members: catenary action, wear, plates that buckle."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -33,26 +32,19 @@ def catenary_reach(scenario: FrameImpact) -> float:
     frame, demand = scenario.frame, shear_demand(scenario)
     struck = [end.member for end in frame.meeting(scenario.striker.node)]
     force = sum(demand[m.name] * frame.properties(m).shear_resistance for m in struck)
-    properties = frame.properties(struck[0])
-    return (
-        scenario.input_energy
-        * properties.squash_load
-        / max(force * properties.plastic_moment, 1e-300)
-    )
+    whole = frame.properties(struck[0])
+    return scenario.input_energy * whole.squash_load / max(force * whole.plastic_moment, 1e-300)
 
 
 def axial_findings(frame: Frame, effect: str) -> list[Finding]:
     """Warning of dead loads that are a share of a squash load that has an `effect` on hinges."""
-    state = dead_load_state(frame)
-    shares = {
-        member.name: abs(force) / frame.properties(member).squash_load
-        for member, force in zip(frame.members, state.axial, strict=True)
-    }
-    worst = max(shares, key=lambda name: shares[name])
+    squash = [frame.properties(member).squash_load for member in frame.members]
+    shares = np.abs(dead_load_state(frame).axial) / squash
+    worst = int(shares.argmax())
     if shares[worst] <= AXIAL_SHARE:
         return []
-    values = {"share": shares[worst], "member": worst}
-    return [finding("interaction", shares[worst], effect=effect, **values)]
+    share, member = float(shares[worst]), frame.members[worst].name
+    return [finding("interaction", share, effect=effect, share=share, member=member)]
 
 
 def wear_findings(event: FrameScenario, known: bool) -> list[Finding]:
@@ -116,19 +108,17 @@ def lateral_findings(frame: Frame, moments: Array, length: float, by_class: bool
     Arguments: `moments` (hinges, steps) of a run in N m; `length` in m between lateral restraints;
     whether the moment that resists is that `by_class`.
     """
-    worst: dict[str, Any] = {}
+    rows = []
     largest = np.abs(moments).reshape(len(frame.members), -1).max(axis=1)
     for member, moment in zip(frame.members, largest, strict=True):
-        if not isinstance(member.section.shape, ISection):
-            continue
-        resists = frame.properties(member).plastic_moment
-        resists *= strength_shares(frame, member)[1] if by_class else 1.0
-        chi = lateral_torsional(member.section.shape, frame.steel, length, resists)
-        number = float(moment / chi.resistance)
-        if number > worst.get("number", 0.0):
-            worst = {"number": number, "member": member.name, "length": length, "chi": chi.factor}
-            worst["critical"] = chi.critical / 1e3
-    if not worst:
+        if isinstance(member.section.shape, ISection):
+            resists = frame.properties(member).plastic_moment
+            resists *= strength_shares(frame, member)[1] if by_class else 1.0
+            chi = lateral_torsional(member.section.shape, frame.steel, length, resists)
+            rows.append((float(moment / chi.resistance), member.name, chi))
+    number, name, chi = max(rows, key=lambda row: row[0], default=(0.0, "", None))
+    if chi is None or number <= 0.0:
         return []
-    kind = "torsional" if worst["number"] > 1.0 else "check"
-    return [finding(f"lateral-{kind}", **worst)]
+    values = {"length": length, "chi": chi.factor, "critical": chi.critical / 1e3}
+    kind = "torsional" if number > 1.0 else "check"
+    return [finding(f"lateral-{kind}", number, member=name, **values)]

@@ -50,9 +50,9 @@ NO_MOMENT_LOST = 0.25  # of the squash load, tension of a run; EN 1993-1-1, 6.2.
 
 @dataclass(frozen=True)
 class BarHinges(BarFrames):
-    """Beam-columns with plastic ends; shared option: `shear_flexible`, elastic shear strain."""
+    """Beam-columns with plastic ends."""
 
-    shear_flexible: bool = checked(Flag(), True)
+    shear_flexible: bool = checked(Flag(), True, help="elastic shear strain of members")
 
     second_order: ClassVar[bool] = True
     euler_share: ClassVar[float] = 0.9  # of a pin-ended bar, that its squash load is kept below
@@ -100,16 +100,12 @@ class BarHinges(BarFrames):
         return self.stand(frame, cut, group, parts)
 
     def _bar(self, frame: Frame, piece: Piece) -> Bar:
-        member, springs = piece.member, [joint.axial_stiffness for joint in piece.joints]
-        section = frame.strength_section(member)
+        section = frame.strength_section(piece.member)
         return Bar(
-            self._end(frame, piece, 0),
-            self._end(frame, piece, 1),
-            piece.axial,
-            piece.bending,
-            piece.mass,
+            *(self._end(frame, piece, side) for side in (0, 1)),
+            *(piece.axial, piece.bending, piece.mass),
             shear_stiffness(section, frame.steel) if self.shear_flexible else inf,
-            1.0 / series(*springs),
+            1.0 / series(*(joint.axial_stiffness for joint in piece.joints)),
             self.second_order and not self.first_order,
         )
 
@@ -117,21 +113,12 @@ class BarHinges(BarFrames):
         properties, joint = frame.properties(piece.member), piece.joints[side]
         surface = YieldSurface(properties.squash_load, properties.plastic_moment)
         weaker = joint_surface(surface, joint)
-        return PlasticEnd(
-            weaker.axial_bounds,
-            weaker.moment_bounds,
-            self.curve(frame, piece, weaker != surface),
-            series(joint.rotational_stiffness),
-            self.hardening(piece),
-        )
+        curve, spring = self.curve(frame, piece, weaker != surface), joint.rotational_stiffness
+        return PlasticEnd(weaker.axial_bounds, weaker.moment_bounds, curve, series(spring))
 
     @abstractmethod
     def curve(self, frame: Frame, piece: Piece, joint_governs: bool) -> Array:
         """Share of the moment left over |N| over its resistance (2, corners)."""
-
-    def hardening(self, piece: Piece) -> float:
-        """Stiffness of a hinge that flows, in N m/rad."""
-        return 0.0
 
     def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
         """The elements."""
@@ -140,12 +127,11 @@ class BarHinges(BarFrames):
 
 @dataclass(frozen=True)
 class Giberson(BarHinges):
-    """Giberson's one-component beam: two rotational springs on an elastic beam.
+    """Giberson's one-component beam: two rotational springs on an elastic beam."""
 
-    Options: `ratio` f of the stiffness of a flowing spring over 4 EI/L (0: perfectly plastic).
-    """
-
-    ratio: float = checked(Number(0.0, 10.0), 0.0)
+    ratio: float = checked(
+        Number(0.0, 10.0), 0.0, help="f of a spring that flows, over 4 EI/L; 0: perfectly plastic"
+    )
 
     name: ClassVar[str] = "giberson"
     version: ClassVar[int] = 4
@@ -169,24 +155,26 @@ class Giberson(BarHinges):
         """All of the moment, whatever N is."""
         return NO_INTERACTION
 
-    def hardening(self, piece: Piece) -> float:
-        """Stiffness f 4 EI / L of a spring that flows (Heng 2017, equations 2.4 and 2.5)."""
-        return self.ratio * 4.0 * piece.bending / (piece.parts * piece.length)
+    def _end(self, frame: Frame, piece: Piece, side: int) -> PlasticEnd:
+        """A spring that flows has the stiffness f 4 EI / L (Heng 2017, equations 2.4, 2.5)."""
+        stiffness = self.ratio * 4.0 * piece.bending / (piece.parts * piece.length)
+        return replace(super()._end(frame, piece, side), hardening=stiffness)
 
 
 @dataclass(frozen=True)
 class PlasticHinge(BarHinges):
-    """Plastic hinges on a yield surface: elastic and geometric less plastic reduction matrix.
+    """Plastic hinges on a yield surface: elastic and geometric less plastic reduction matrix."""
 
-    Options: `surface`, the rule of N-M interaction; `elements` are more where the squash load nears
-    the Euler load of a pin-ended element; `degradation` of strength and stiffness by the `energy`
-    that a hinge dissipates in bending, all of it at M_p times a `rotation_capacity` (None: that of
-    tests of I sections).
-    """
-
-    surface: str = checked(Choice(RULES), "exact")
-    degradation: str = checked(Choice(("none", "energy")), "none")
-    rotation_capacity: float | None = checked(Number(1e-3, 1e3, "rad"), optional=True)
+    surface: str = checked(Choice(RULES), "exact", help="rule of N-M interaction")
+    degradation: str = checked(
+        Choice(("none", "energy")),
+        "none",
+        help="loss of strength and stiffness by the energy that a hinge dissipates in bending, all "
+        "of it at M_p times rotation_capacity",
+    )
+    rotation_capacity: float | None = checked(
+        Number(1e-3, 1e3, "rad"), optional=True, help="None: that of tests of I sections"
+    )
 
     name: ClassVar[str] = "plastic-hinge"
     version: ClassVar[int] = 4
@@ -244,12 +232,11 @@ class PlasticHinge(BarHinges):
 
 @dataclass(frozen=True)
 class QuasiPlasticHinge(PlasticHinge):
-    """Quasi-plastic hinges: plastic rotations of spreading yield, calibrated on fibers.
+    """Quasi-plastic hinges: plastic rotations of spreading yield, calibrated on fibers."""
 
-    Options: those of `PlasticHinge`; `layers` of the fiber section that the curve is taken from.
-    """
-
-    layers: int = checked(Number(4, 1000, integer=True), 40)
+    layers: int = checked(
+        Number(4, 1000, integer=True), 40, help="of the fiber section that the curve is taken from"
+    )
 
     name: ClassVar[str] = "quasi-plastic-hinge"
     version: ClassVar[int] = 5
@@ -276,21 +263,24 @@ class QuasiPlasticHinge(PlasticHinge):
 
 @dataclass(frozen=True)
 class RefinedPlasticHinge(BarHinges):
-    """Refined plastic hinges: stability functions, tangent modulus, stiffness lost by degrees.
+    """Refined plastic hinges: stability functions, tangent modulus, stiffness lost by degrees."""
 
-    Options: `imperfect`, E taken 0.877 times, so that the tangent modulus is that of the AISC
-    column curve with its initial crookedness; `modulus`, double where the strain of a flange
-    falls; `local_buckling`, strength by the classes of EN 1993-1-1; `unbraced_length` in m between
-    lateral restraints, for a check of lateral-torsional buckling (None: not checked).
-    """
-
-    imperfect: bool = checked(Flag(), False)
-    modulus: str = checked(Choice(("tangent", "double")), "tangent")
-    local_buckling: bool = checked(Flag(), False)
-    unbraced_length: float | None = checked(Number(0.01, 1e3, "m"), optional=True)
+    imperfect: bool = checked(
+        Flag(), False, help="0.877 E: the tangent modulus is that of the AISC column curve"
+    )
+    modulus: str = checked(
+        Choice(("tangent", "double")), "tangent", help="double where the strain of a flange falls"
+    )
+    local_buckling: bool = checked(Flag(), False, help="strength by the classes of EN 1993-1-1")
+    unbraced_length: float | None = checked(
+        Number(0.01, 1e3, "m"),
+        optional=True,
+        help="between lateral restraints, to check lateral-torsional buckling (None: unchecked)",
+    )
 
     name: ClassVar[str] = "refined-plastic-hinge"
     version: ClassVar[int] = 6
+    euler_share: ClassVar[float] = 0.0  # stability functions hold beyond the load of a bar
     stretches: ClassVar[bool] = False
     in_cycles: ClassVar[str] = (
         "hinges soften anew in every half-cycle above half the strength, also where a section "
@@ -313,10 +303,6 @@ class RefinedPlasticHinge(BarHinges):
         keys = ["liew1993", "heng2017", *(["engesser1895"] if self.modulus == "double" else [])]
         keys += ["en1993-1-1"] if self.local_buckling or self.unbraced_length else []
         return (*keys, *(["en1993-1-5"] if self.local_buckling else []))
-
-    def parts(self, scenario: FrameScenario) -> list[int]:
-        """Bars per member: stability functions hold beyond the Euler load of a pin-ended bar."""
-        return BarFrames.parts(self, scenario)
 
     def curve(self, frame: Frame, piece: Piece, joint_governs: bool) -> Array:
         """AISC H1-1 for members and joints."""

@@ -57,13 +57,12 @@ def _response(given: Problem, places: dict[str, Array], ladder: dict[str, Any], 
 
 @dataclass(frozen=True)
 class ImpactIntegrator(Answering):
-    """One integrator of the impact laboratory.
-
-    Options: `scheme`, its name; `runs`, step sizes of the ladder, each half the one before.
-    """
+    """One integrator of the impact laboratory."""
 
     scheme: str = checked(Choice(tuple(SCHEMES)), "moreau-jean")
-    runs: int = checked(Number(2, 10, integer=True), 6)
+    runs: int = checked(
+        Number(2, 10, integer=True), 6, help="step sizes of the ladder, each half the one before"
+    )
 
     name: ClassVar[str] = "impact-integrator"
     version: ClassVar[int] = 3
@@ -153,12 +152,11 @@ def _scalars(given: Problem, finest_run: Run) -> dict[str, float | None]:
 
 @dataclass(frozen=True)
 class ImpactExact(Answering):
-    """The known answer of an impact problem.
+    """The known answer of an impact problem."""
 
-    Option: `steps`, times at which it is given, as a multiple of those of the coarsest run.
-    """
-
-    steps: int = checked(Number(1, 1024, integer=True), 32)
+    steps: int = checked(
+        Number(1, 1024, integer=True), 32, help="times of the answer over those of the coarsest run"
+    )
 
     name: ClassVar[str] = "impact-exact"
     version: ClassVar[int] = 1

@@ -121,16 +121,16 @@ def impact(pieces, drive, progress, records):
 
 @dataclass(frozen=True)
 class SoftImpact(OnCurve):
-    """Two masses on two springs: what of the vehicle crushes, and the column.
+    """Two masses on two springs: what of the vehicle crushes, and the column as of single-dof."""
 
-    Options: `striker_stiffness` in N/m of what crushes (300 kN/m: cars, EN 1991-1-7, Annex C);
-    `crush_force` in N at which it flows (None: it stays elastic), both where the striker of the
-    scenario has no law of its own; `resistance` of the column, `rotational_stiffness`,
-    `interaction`, `hit_mass` and `rate_factor` as in `single-dof`.
-    """
-
-    striker_stiffness: float = checked(Number(1.0, 1e12, "N/m"), VEHICLE_STIFFNESS)
-    crush_force: float | None = checked(Number(1.0, 1e12, "N"), optional=True)
+    striker_stiffness: float = checked(
+        Number(1.0, 1e12, "N/m"),
+        VEHICLE_STIFFNESS,
+        help="of what crushes (cars, EN 1991-1-7, Annex C), if the striker has no law of its own",
+    )
+    crush_force: float | None = checked(
+        Number(1.0, 1e12, "N"), optional=True, help="at which it flows, likewise (None: elastic)"
+    )
     resistance: str = checked(Resistance(SHAPES), "analytic")
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
     interaction: str = checked(Choice(INTERACTIONS), SECTION)

@@ -234,8 +234,7 @@ class _HingedBars(BarFrames):
             steps = clock.timed(
                 follow_impact(view.assembly, dof, mass, pace, record.limits, sign=sign, calm=calm)
             )
-            error, least = self.largest_error, self.least_yield_ratio
-            response = run_impact(scenario, record, steps, error, least)
+            response = run_impact(scenario, record, steps, self.largest_error)
             histories = [response.variables[name].values for name in _SEEN]
             late, highest = late_peak(pace, calm, *histories), float(histories[1].max())
             gone = highest < NEARLY * before  # what small steps looked for: it may come yet later

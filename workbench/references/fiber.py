@@ -4,6 +4,7 @@ A column is the frame of its two members. Each reference adds its elements and t
 """
 
 from abc import abstractmethod
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -18,7 +19,7 @@ from workbench.frames.members import named
 from workbench.frames.structure import FrameStructure, stand_frame
 from workbench.materials import Steel
 from workbench.models.base import respond
-from workbench.models.frame_model import FrameModel, as_frame
+from workbench.models.frame_model import EXPLICIT, IMPLICIT, FrameModel, as_frame
 from workbench.references.fiber_mesh import (
     FiberMembers,
     FrameMesh,
@@ -28,7 +29,14 @@ from workbench.references.fiber_mesh import (
     mesh_findings,
     mesh_frame,
 )
-from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
+from workbench.references.refine import (
+    HALVED_STEPS,
+    LEVELS,
+    MESHES,
+    REFINEMENT,
+    check_levels,
+    refined,
+)
 from workbench.responses import Finding, Response, finding
 from workbench.scenarios import (
     ColumnImpact,
@@ -40,7 +48,6 @@ from workbench.scenarios import (
 )
 from workbench.sections import Section
 from workbench.structures.fibers import FiberElements
-from workbench.structures.impact import MIDPOINT
 
 PEAK_STEPS = 130.0  # time steps up to the expected peak, at least
 WAVE_STEPS = 20.0  # time steps while an axial wave passes the longest member, at least
@@ -51,31 +58,40 @@ SAME = 0.01  # relative difference of an override from what the fibers give that
 
 @dataclass(frozen=True)
 class FiberReference(FrameModel):
-    """Fiber references; each adds its own options.
+    """Frames of fiber elements with a refinement ladder."""
 
-    Shared options: `smallest_element` in m, at both ends of every member, and `largest_element`
-    (None: by rule); `layers` over the depth of the section; `time_step` in s (None: 1/20 of the
-    time of an axial wave along the longest member, 1/10 in a single one, and at first at most 1/130
-    of the expected time to the peak; a bound and the interval of records if explicit);
-    `refinement`, how often all these elements and steps are halved (negative: doubled);
-    `step_refinement`, how often the steps alone are halved further; `levels`, meshes behind an
-    answer, each with twice the elements and steps of the next finer one (1: that of `refinement`
-    alone, the numerical uncertainty is then unknown); `integrator`, implicit with energy-exact
-    steps or explicit central differences with lumped mass; `weight` of the end stresses in an
-    implicit step (1/2 conserves energy, more damps waves); `hardening_ratio`, the regularising
-    hardening over the elastic modulus.
-    """
-
-    smallest_element: float | None = checked(Number(1e-4, 10.0, "m"), optional=True)
-    largest_element: float | None = checked(Number(1e-4, 100.0, "m"), optional=True)
-    layers: int = checked(Number(4, 1000, integer=True), 20)
-    time_step: float | None = checked(Number(1e-8, 1e-2, "s"), optional=True)
-    refinement: int = checked(REFINEMENT, 0)
-    step_refinement: int = checked(REFINEMENT, 0)
-    levels: int = checked(LEVELS, 3)
-    integrator: str = checked(Choice(("implicit", "explicit")), "implicit")
-    weight: float = checked(Number(0.5, 1.0, advice="1/2 conserves energy, 1 dissipates most"), 0.5)
-    hardening_ratio: float = checked(Number(0.0, 0.1), 1e-6)
+    smallest_element: float | None = checked(
+        Number(1e-4, 10.0, "m"), optional=True, help="at both ends of every member (None: by rule)"
+    )
+    largest_element: float | None = checked(
+        Number(1e-4, 100.0, "m"), optional=True, help="None: by rule"
+    )
+    layers: int = checked(Number(4, 1000, integer=True), 20, help="over the depth, an even number")
+    time_step: float | None = checked(
+        Number(1e-8, 1e-2, "s"),
+        optional=True,
+        help="None: 1/20 of the time of an axial wave along the longest member, 1/10 in a single "
+        "one, at first at most 1/130 of the expected time to the peak; if explicit a bound and the "
+        "interval of records",
+    )
+    refinement: int = checked(
+        REFINEMENT, 0, help="how often all elements and steps are halved (negative: doubled)"
+    )
+    step_refinement: int = checked(REFINEMENT, 0, help=HALVED_STEPS)
+    levels: int = checked(LEVELS, 3, help=MESHES)
+    integrator: str = checked(
+        Choice((IMPLICIT, EXPLICIT)),
+        IMPLICIT,
+        help="energy-exact steps, or central differences with lumped mass",
+    )
+    weight: float = checked(
+        Number(0.5, 1.0, advice="1/2 conserves energy, 1 dissipates most"),
+        0.5,
+        help="of the end stresses in an implicit step; more than 1/2 damps waves",
+    )
+    hardening_ratio: float = checked(
+        Number(0.0, 0.1), 1e-6, help="regularising hardening over the elastic modulus"
+    )
 
     judged: ClassVar[bool] = False
     crushing: ClassVar[bool] = True
@@ -111,9 +127,7 @@ class FiberReference(FrameModel):
             *(f for f in super().domain(scenario) if f.refusal or f.subject not in followed),
             *joint_findings(event.frame),
             *override_findings(
-                event.frame,
-                partial(fiber_values, layers=self.layers),
-                "fibers come from the section alone and leave overrides out",
+                event.frame, partial(fiber_values, layers=self.layers), "fibers come"
             ),
             *mesh_findings(event, self.lengths(event), self.sampled),
         ]
@@ -125,13 +139,8 @@ class FiberReference(FrameModel):
     def lengths(self, scenario: ColumnScenario | FrameScenario) -> list[Array]:
         """Element lengths (m) of every member; of a column below and above the hit point."""
         event = as_frame(scenario)
-        return member_lengths(
-            event,
-            self.mesh_rule(event),
-            self.smallest_element,
-            self.largest_element,
-            self.refinement,
-        )
+        sizes = self.smallest_element, self.largest_element, self.refinement
+        return member_lengths(event, self.mesh_rule(event), *sizes)
 
     def time_spans(self, scenario: ColumnImpact | FrameImpact) -> Spans:
         """End times and time steps (s) of the parts of the record, refinement applied."""
@@ -154,17 +163,12 @@ class FiberReference(FrameModel):
         springs = joint_springs(frame, mesh)
         members = FiberMembers(frame, mesh, beams, springs, self.sampled, self.shear_yields)
         groups = [beams] if springs is None else [beams, springs]
-        lumped = self.integrator == "explicit"
+        lumped = self.integrator == EXPLICIT
         return stand_frame(frame, mesh.coordinates, groups, members, ties=mesh.ties, lumped=lumped)
 
     def placed(self, mesh: FrameMesh) -> FrameMesh:
         """The mesh with its nodes where they are before any load."""
         return mesh
-
-    @property
-    def scheme(self) -> tuple[float | None, str]:
-        """Weight of the end stresses in a time step (None: explicit), and the integrator."""
-        return self.weight if self.integrator == "implicit" else None, MIDPOINT
 
     @property
     def halvings(self) -> int:
@@ -200,22 +204,21 @@ def fiber_values(section: Section, steel: Steel, layers: int) -> dict[str, float
 
 
 def override_findings(
-    frame: Frame, values: Callable[[Section, Steel], Mapping[str, float]], text: str
+    frame: Frame, values: Callable[[Section, Steel], Mapping[str, float]], shape: str
 ) -> list[Finding]:
     """Overrides of section values that differ by over 1 % from what a model makes of the section.
 
-    Arguments: these `values`, of the section that gives the strength; `text` that says why.
+    Arguments: these `values`, of the section that gives the strength; `shape`, what of the model
+    comes from the section alone.
     """
-    differing: dict[str, list[str]] = {}  # what is said, and of which members
+    members = defaultdict(list)  # by the difference
     for member in frame.members:
         for key, value in values(frame.strength_section(member), frame.steel).items():
             given = getattr(member, key)
             if given is not None and abs(given / value - 1.0) > SAME:
-                differing.setdefault(f"{key} = {given:.5g} against {value:.5g}", []).append(
-                    member.name
-                )
-    if not differing:
+                members[f"{key} = {given:.5g} against {value:.5g}"].append(member.name)
+    if not members:
         return []
-    texts = [f"{difference} ({named(names)})" for difference, names in differing.items()]
+    texts = [f"{difference} ({named(names)})" for difference, names in members.items()]
     more = f" and {len(texts) - 4} more" if len(texts) > 4 else ""
-    return [finding("section", reason=text, differences=", ".join(texts[:4]) + more)]
+    return [finding("section", shape=shape, differences=", ".join(texts[:4]) + more)]

@@ -39,20 +39,24 @@ SAMPLED = {INTERPOLATED: 0.5 - 0.5 / sqrt(3.0), BALANCED: 0.0, LOBATTO: 0.32}
 class FiberCorotational(FiberReference):
     """Co-rotational fiber beam.
 
-    Options: `element`, interpolated (the classical element with two Gauss points and linear axial
-    displacement) or balanced (one axial force per element, plasticity sampled at the end that is
-    nearer to a potential hinge: hardly depends on the mesh, but stretches hinges along the member
-    only) or lobatto (the classical element with four Gauss-Lobatto points, as in programs of
-    practice); `smallest_element` None: 1/32 of the shorter member that is hit, 1/16 in statics,
-    1/12 for balanced elements, but not below 0.1, 0.2 and 0.3 of the depth; `largest_element` None:
-    1/40 of the longest member in dynamics, 1/8 in statics; `shear_flexible`: elastic shear strain
-    (False: Bernoulli's beam without any).
+    By rule the smallest element is 1/32 of the shorter member that is hit, 1/16 in statics, 1/12 of
+    balanced elements, but not below 0.1, 0.2 and 0.3 of the depth; the largest one 1/40 of the
+    longest member in dynamics, 1/8 in statics.
     """
 
-    hardening_ratio: float = checked(Number(1e-9, 0.1), 1e-6)
-    refinement: int = checked(REFINEMENT, 1)
-    element: str = checked(Choice(ELEMENTS), INTERPOLATED)
-    shear_flexible: bool = checked(Flag(), True)
+    hardening_ratio: float = checked(
+        Number(1e-9, 0.1), 1e-6, help="regularising hardening over the elastic modulus"
+    )
+    refinement: int = checked(REFINEMENT, 1, help="how often all elements and steps are halved")
+    element: str = checked(
+        Choice(ELEMENTS),
+        INTERPOLATED,
+        help="interpolated: the classical one, two Gauss points and linear axial displacement; "
+        "balanced: one axial force, plasticity sampled at the end nearer to a potential hinge "
+        "(hardly depends on the mesh, but stretches hinges along the member only); lobatto: the "
+        "classical one with four Gauss-Lobatto points, as in programs of practice",
+    )
+    shear_flexible: bool = checked(Flag(), True, help="elastic shear strain; false: Bernoulli's")
 
     name: ClassVar[str] = "fiber-corotational"
     version: ClassVar[int] = 6

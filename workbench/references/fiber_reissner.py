@@ -19,7 +19,7 @@ from workbench.materials import Steel
 from workbench.models.frame_model import COLUMNS, as_frame
 from workbench.references.fiber import FiberReference
 from workbench.references.fiber_mesh import REISSNER_GIVEN, REISSNER_RULE, FrameMesh, MeshRule
-from workbench.references.refine import LEVELS
+from workbench.references.refine import LEVELS, MESHES
 from workbench.responses import Finding, finding
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
 from workbench.structures.fibers import PATTERNS, BeamSection, section_fibers
@@ -32,22 +32,27 @@ from workbench.structures.fibers.section import (
 )
 
 LAWS = ("linear", "menegotto-pinto")
+BEAMS = ("reissner1972", "simo1985", "simo-tarnow-doblare1995")  # sources
 
 
 @dataclass(frozen=True)
 class ExactBeams(FiberReference):
     """Geometrically exact beams: one point per element, residual stress, crooked columns.
 
-    Shared options: `largest_element` None: 1/40 of the longest member, in dynamics at most half the
-    depth; `residual_stress`, pattern in an I section, with `residual_ratio` of its peak to the
-    yield stress (None: 0.5 for profiles up to 1.2 times as high as wide, else 0.3);
-    `out_of_straightness`, amplitude of a half sine of a column along the strike over its length.
+    By rule the largest element is 1/40 of the longest member, in dynamics at most half the depth.
     """
 
-    residual_stress: str = checked(Choice(PATTERNS), "none")
-    residual_ratio: float | None = checked(Number(0.0, 1.0), optional=True)
+    residual_stress: str = checked(Choice(PATTERNS), "none", help="pattern in an I section")
+    residual_ratio: float | None = checked(
+        Number(0.0, 1.0),
+        optional=True,
+        help="its peak over the yield stress (None: 0.5 for profiles up to 1.2 times as high as "
+        "wide, else 0.3)",
+    )
     out_of_straightness: float = checked(
-        Number(-0.02, 0.02, advice="amplitude over length: 1/1000 is 0.001"), 0.0
+        Number(-0.02, 0.02, advice="amplitude over length: 1/1000 is 0.001"),
+        0.0,
+        help="amplitude of a half sine of a column along the strike over its length",
     )
 
     sampled: ClassVar[float] = 0.5
@@ -101,17 +106,17 @@ class ExactBeams(FiberReference):
 class FiberReissner(ExactBeams):
     """Geometrically exact fiber beam.
 
-    Options: `smallest_element` None: 1/256 of the shorter member that is hit, but not below 1/100
-    of the depth; `steel_law`, linear hardening or Menegotto-Pinto; `hardening_ratio`, kinematic
-    hardening modulus (or slope of the hardening line) over the elastic one, by default
-    regularisation only: perfect plasticity has no limit of the mesh at large rotations, as a hinge
-    has no length, and a hardening modulus of the steel takes its place; `isotropic_ratio`,
-    isotropic hardening modulus over the elastic one. The strain rate is that of the steel.
+    By rule the smallest element is 1/256 of the shorter member that is hit, but not below 1/100 of
+    the depth. `hardening_ratio` is regularisation by default: perfect plasticity has no limit of
+    the mesh at large rotations, as a hinge has no length. A hardening modulus of the steel takes
+    its place.
     """
 
-    levels: int = checked(LEVELS, 4)
+    levels: int = checked(LEVELS, 4, help=MESHES)
     steel_law: str = checked(Choice(LAWS), "linear")
-    isotropic_ratio: float = checked(Number(0.0, 0.1), 0.0)
+    isotropic_ratio: float = checked(
+        Number(0.0, 0.1), 0.0, help="isotropic hardening modulus over the elastic one"
+    )
 
     name: ClassVar[str] = "fiber-reissner"
     version: ClassVar[int] = 8
@@ -142,12 +147,8 @@ class FiberReissner(ExactBeams):
     @property
     def sources(self) -> tuple[str, ...]:
         """Bibliography keys of the beam and of the options that are on."""
-        keys = ["reissner1972", "simo1985", "simo-tarnow-doblare1995", "heng2017"]
-        if self.steel_law == "menegotto-pinto":
-            keys.append("menegotto-pinto1973")
-        if self.residual_stress != "none":
-            keys.append("eccs1984")
-        return tuple(keys)
+        law = ("menegotto-pinto1973",) if self.steel_law == "menegotto-pinto" else ()
+        return (*BEAMS, "heng2017", *law, *(["eccs1984"] if self.residual_stress != "none" else []))
 
     def mesh_rule(self, scenario: FrameScenario) -> MeshRule:
         """Elements grow fast from the very small ones of the rule only."""

@@ -11,7 +11,7 @@ from typing import ClassVar
 from workbench.materials import Steel
 from workbench.models.domain import DIRECT_SHEAR, shear_demand
 from workbench.references.fiber_mesh import SHEAR_RULE, MeshRule
-from workbench.references.fiber_reissner import ExactBeams
+from workbench.references.fiber_reissner import BEAMS, ExactBeams
 from workbench.responses import Finding, finding
 from workbench.scenarios import ColumnScenario, FrameScenario, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
@@ -22,8 +22,8 @@ from workbench.structures.fibers.section import ShearYielding
 class FiberShear(ExactBeams):
     """Geometrically exact fiber beam with shear yielding.
 
-    Options: `smallest_element` None: 1/64 of the shorter member that is hit, but not below 1/20 of
-    the depth; time steps are twice as long.
+    By rule the smallest element is 1/64 of the shorter member that is hit, but not below 1/20 of
+    the depth; time steps are twice as long as of other references.
     """
 
     name: ClassVar[str] = "fiber-shear"
@@ -46,8 +46,11 @@ class FiberShear(ExactBeams):
     @property
     def sources(self) -> tuple[str, ...]:
         """Bibliography keys of the beam and of the options that are on."""
-        keys = ("reissner1972", "simo1985", "simo-tarnow-doblare1995", "simo-hughes1998")
-        return keys if self.residual_stress == "none" else (*keys, "eccs1984")
+        return (
+            *BEAMS,
+            "simo-hughes1998",
+            *(["eccs1984"] if self.residual_stress != "none" else []),
+        )
 
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """As all; and pulses that webs decide, which are those between the flanges here.

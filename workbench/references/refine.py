@@ -45,6 +45,11 @@ from workbench.scenarios import Scenario
 COARSEST, MOST_LEVELS = -6, 6
 REFINEMENT = Number(COARSEST, 6, integer=True)  # rules of the options of that name
 LEVELS = Number(1, MOST_LEVELS, integer=True)
+HALVED_STEPS = "how often the steps alone are halved further"  # meanings of options
+MESHES = (
+    "meshes behind an answer, each with twice the elements and steps of the next finer one (1: "
+    "that of refinement alone, the numerical uncertainty is then unknown)"
+)
 MORE_FIBERS, MOST_FIBERS = 4, 1000
 LEAST_COARSENING = 1.5  # of the smallest element from one mesh to the next
 # the yield ratio of a coarse run is an error of its discretisation, which the ladder measures
@@ -105,14 +110,11 @@ def read(response: Response, quantities: Quantities) -> dict[str, float]:
         elif point.variable in response and point.abscissa in response:
             # where the abscissa first gets as far, linear between the steps
             sign, at = (1.0 if point.at >= 0.0 else -1.0), abs(point.at)
-            way = sign * response[point.abscissa].values
+            way, curve = sign * response[point.abscissa].values, response[point.variable].values
             reached = np.flatnonzero(way >= at * (1.0 - 1e-9))
             if reached.size:
-                last = int(reached[0])
-                pair = [max(last - 1, 0), last]
-                values[name] = float(
-                    np.interp(at, way[pair], response[point.variable].values[pair])
-                )
+                pair = [max(reached[0] - 1, 0), reached[0]]
+                values[name] = float(np.interp(at, way[pair], curve[pair]))
     return values
 
 
@@ -148,14 +150,12 @@ class _Refinement:
         main = default_quantities(self.scenario, response)
         quantities = {**main, **dict.fromkeys(scalars_of(response))}
         directions = self._run()
-        values = {name: read(run, quantities) for name, run in self.runs.items()}
-        values[FINEST] = read(response, quantities)
-        by_run = {
-            q: {run: known[q] for run, known in values.items() if q in known} for q in quantities
-        }
+        runs = self.runs | {FINEST: response}
+        values = {name: read(run, quantities) for name, run in runs.items()}
+        by_run = {q: {run: of[q] for run, of in values.items() if q in of} for q in quantities}
         estimates = {q: estimate(directions, by_run[q]) for q in quantities}
         if self.levels == 1:
-            self.statements.append("one mesh only (levels = 1): numerical uncertainty unknown")
+            self._state("one-mesh")
         unknown = [q for q in main if estimates[q].width is None]
         drifting = [q for q in main if _drifts(estimates[q])]
         doubts: list[Finding] = []
@@ -174,10 +174,8 @@ class _Refinement:
                 "levels": [mesh.refinement for mesh in self._meshes()],
                 "directions": [asdict(direction) for direction in directions],
                 "quantities": {
-                    q: {
-                        **_table(estimates[q], by_run[q]),
-                        "variable": point.variable if point else q,
-                    }
+                    q: _table(estimates[q], by_run[q])
+                    | {"variable": point.variable if point else q}
                     for q, point in quantities.items()
                 },
                 "quadrature": "fixed by the element, no option: part of space",
@@ -219,9 +217,8 @@ class _Refinement:
     def _meshes(self) -> list[Any]:
         """The model on each mesh, from coarse to fine, alone."""
         model = on_one_mesh(self.model)
-        return [
-            replace(model, refinement=model.refinement - k) for k in reversed(range(self.levels))
-        ]
+        coarser = reversed(range(self.levels))
+        return [replace(model, refinement=model.refinement - k) for k in coarser]
 
     def _answer(self, name: str, variant: Any, finer: Response | None = None) -> bool:
         """Answer with a variant; False, with a statement, if that cannot be relied on.
@@ -230,19 +227,24 @@ class _Refinement:
         """
         run: Response = variant.simulate(self.scenario)
         if outcome_of(run) is not Outcome.OK:
-            self.statements.append(f"{name}: {outcome_of(run)}, {run.attrs['message']}")
-            return False
+            outcome, message = outcome_of(run), run.attrs["message"]
+            return self._state("run-failed", run=name, outcome=outcome, message=message)
         known = {finding.subject for finding in warnings_of(self.response)}
         doubts = [f for f in warnings_of(run) if f.subject in DOUBTS and f.subject not in known]
+        for each in doubts:
+            self._state("run-doubtful", run=name, doubt=each.subject, text=each)
         if doubts:
-            self.statements += [f"{name} cannot be relied on, {f.subject}: {f}" for f in doubts]
             return False
         fine = 0.0 if finer is None else finer.attrs.get("smallest_element", 0.0)
         if run.attrs.get("smallest_element", np.inf) < LEAST_COARSENING * fine:
-            self.statements.append(f"{name} has no larger elements: there is no coarser mesh")
-            return False
+            return self._state("no-coarser-mesh", run=name)
         self.runs[name] = run
         return True
+
+    def _state(self, key: str, **values: Any) -> bool:
+        """Keep the sentence of a finding on a run that is left out: False."""
+        self.statements.append(finding(key, **values).text)
+        return False
 
 
 def _drifts(known: Estimate) -> bool:

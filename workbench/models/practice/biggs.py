@@ -24,7 +24,7 @@ from workbench.impact.pace import Pace
 from workbench.impact.records import follow
 from workbench.models.energy_estimate import energy_to_absorb
 from workbench.models.practice.deflected_shape import Stage, beam_of
-from workbench.models.practice.hand_estimate import AXIAL, SECTION, plastic_moment
+from workbench.models.practice.hand_estimate import AXIAL, AXIAL_HELP, SECTION, plastic_moment
 from workbench.models.resistance import Resistance, ResistanceCurve, mechanism_of
 from workbench.models.resistance import curve as events
 from workbench.models.resistance.curve import straight_pieces
@@ -44,15 +44,12 @@ _PLACES = ("base", "hit", "head")  # nodes of the beam
 
 @dataclass(frozen=True)
 class Biggs(SingleDof):
-    """Equivalent mass and resistance of every stage, by integrating the deflected shape.
+    """Equivalent mass and resistance of every stage, by integrating the deflected shape."""
 
-    Options: `axial`, how the axial load lowers the plastic moment: none, linear (M_p (1 - n)) or
-    section (exact plastic envelope); `integrator`, `time_step` as in `single-dof`; `direct_shear`:
-    none, or the resistance to the slip of either end under a line load, web or NAME.csv (points).
-    """
-
-    axial: str = checked(AXIAL, SECTION)
-    direct_shear: str = checked(DIRECT_SHEAR, NONE)
+    axial: str = checked(AXIAL, SECTION, help=AXIAL_HELP)
+    direct_shear: str = checked(
+        DIRECT_SHEAR, NONE, help="resistance to the slip of either end under a line load"
+    )
     resistance: ClassVar[str] = "stages"  # type: ignore[misc]
     rotational_stiffness: ClassVar[None] = None  # type: ignore[misc]
     rate_factor: ClassVar[None] = None  # type: ignore[misc]

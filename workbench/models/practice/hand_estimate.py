@@ -20,7 +20,8 @@ from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact
 
 NONE, LINEAR, SECTION = "none", "linear", "section"
-AXIAL = Choice((NONE, LINEAR, SECTION))  # how the axial load lowers the plastic moment
+AXIAL = Choice((NONE, LINEAR, SECTION))
+AXIAL_HELP = "how the axial load lowers M_p: linear, M_p (1 - n), or by the envelope of the section"
 
 
 def plastic_moment(column: Column, axial: str) -> float:
@@ -49,13 +50,9 @@ def mechanism_load(column: Column, axial: str) -> float:
 
 @dataclass(frozen=True)
 class HandEstimate(Answering):
-    """Momentum, then energy against the plastic mechanism load.
+    """Momentum, then energy against the plastic mechanism load."""
 
-    Options: `axial`, how the axial load lowers the plastic moment: none, linear (M_p (1 - n)) or
-    section (exact plastic envelope of the section).
-    """
-
-    axial: str = checked(AXIAL, SECTION)
+    axial: str = checked(AXIAL, SECTION, help=AXIAL_HELP)
 
     name: ClassVar[str] = "hand-estimate"
     version: ClassVar[int] = 1

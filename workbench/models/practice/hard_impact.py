@@ -30,21 +30,24 @@ _RIGID = 0.1  # way of the structure over the crush of the striker, up to which 
 
 @dataclass(frozen=True)
 class HardImpact(Answering):
-    """EN 1991-1-7, Annex C.
+    """Force of a striker that crushes on a column, by EN 1991-1-7, Annex C."""
 
-    Options: `striker_stiffness` in N/m of what crushes (300 kN/m: cars, Annex C), if the scenario
-    gives none; `application`
-    of the force: dynamic (rectangular pulse on the single-DOF column), static, or the static force
-    of a kind of traffic (Table 4.1, along the traffic or across); `amplification` phi of static;
-    `resistance` of the column as in `single-dof`; `deformation_capacity` y_0 in m for the check of
-    soft impact (None: it tells what it takes).
-    """
-
-    striker_stiffness: float = checked(Number(1.0, 1e12, "N/m"), VEHICLE_STIFFNESS)
-    application: str = checked(Choice((DYNAMIC, STATIC, *FORCES)), DYNAMIC)
-    amplification: float = checked(Number(1.0, 2.0), 2.0)
-    resistance: str = checked(Choice(RESISTANCES), "analytic")
-    deformation_capacity: float | None = checked(Number(1e-6, 10.0, "m"), optional=True)
+    striker_stiffness: float = checked(
+        Number(1.0, 1e12, "N/m"),
+        VEHICLE_STIFFNESS,
+        help="of what crushes, if the scenario gives none (cars, Annex C)",
+    )
+    application: str = checked(
+        Choice((DYNAMIC, STATIC, *FORCES)),
+        DYNAMIC,
+        help="of the force: a rectangular pulse on the single-DOF column, static, or the static "
+        "force of a kind of traffic (Table 4.1, along the traffic or across)",
+    )
+    amplification: float = checked(Number(1.0, 2.0), 2.0, help="phi of the static force")
+    resistance: str = checked(Choice(RESISTANCES), "analytic", help="as of single-dof")
+    deformation_capacity: float | None = checked(
+        Number(1e-6, 10.0, "m"), optional=True, help="y_0, to check soft impact"
+    )
 
     name: ClassVar[str] = "en-1991-hard-impact"
     version: ClassVar[int] = 2
@@ -106,8 +109,7 @@ class HardImpact(Answering):
         values["shear_utilisation"], warnings = columns.reached(curve, column, top)
         crush = scenario.striker.velocity * pulse.length if pulse.length else 0.0
         if table is not None:
-            own = pulse.peak / 1e3
-            warnings.append(finding("table-force", table=table / 1e3, striker=own))
+            warnings.append(finding("table-force", table=table / 1e3, striker=pulse.peak / 1e3))
         elif top <= _RIGID * crush:
             stiffness = self.stiffness(scenario)
             warnings.append(
@@ -116,21 +118,15 @@ class HardImpact(Answering):
         else:
             warnings.append(finding("hard-impact", top / crush, crush=crush, top=top))
         response = build_response(values, time=time, segments=columns.SEGMENTS, warnings=warnings)
+        soft = self._soft_deformation(scenario)
         rule = {
             "rule.force": (table or pulse.peak, "N", "force of hard impact"),
             "rule.duration": (pulse.length, "s", "duration of hard impact"),
-            "rule.soft_deformation": (
-                self._soft_deformation(scenario),
-                "m",
-                "deformation that soft impact takes",
-            ),
+            "rule.soft_deformation": (soft, "m", "deformation that soft impact takes"),
         }
-        return response.assign(
-            {
-                name: ((), value, {"units": units, "long_name": meaning})
-                for name, (value, units, meaning) in rule.items()
-            }
-        )
+        for name, (value, units, meaning) in rule.items():
+            response[name] = ((), value, {"units": units, "long_name": meaning})
+        return response
 
     def _static(self, curve: ResistanceCurve, scenario: ColumnImpact, force: float) -> float:
         """Displacement (m) at which the static resistance first reaches a force (N)."""

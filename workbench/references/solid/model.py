@@ -12,7 +12,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
-from threadpoolctl import threadpool_limits
 
 from workbench.arrays import Array
 from workbench.fields import Declared, Number, checked
@@ -20,8 +19,16 @@ from workbench.frames.runs import OPEN_LEDGER
 from workbench.materials import Steel
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
+from workbench.models.frame_model import one_thread
 from workbench.references.fiber import override_findings
-from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
+from workbench.references.refine import (
+    HALVED_STEPS,
+    LEVELS,
+    MESHES,
+    REFINEMENT,
+    check_levels,
+    refined,
+)
 from workbench.references.solid.assembly import SolidAssembly, solid_column
 from workbench.references.solid.material import SQUEEZED
 from workbench.responses import (
@@ -63,26 +70,33 @@ LARGEST_IMBALANCE = 1e-3  # of the work of the push
 
 @dataclass(frozen=True)
 class SolidPlaneStress(Declared, table="option"):
-    """Plane-stress solid.
+    """Plane-stress solid."""
 
-    Options:
-    `smallest_element` in m along the axis, at the ends and at the hit section (None: a sixth of
-    the section's height); `refinement`, how often all elements are halved in both directions
-    (-1: doubled); `hardening_ratio`, isotropic hardening modulus over Young's modulus; `step` of
-    the push in m (None: 1/320 of the shorter segment; the first ones are smaller); longest
-    `time_step` of an impact in s (None: what the fastest wave allows, never more);
-    `step_refinement`, how often the steps are halved; `levels`, meshes behind an answer, each
-    with twice the elements of the next finer one (1: that of `refinement` alone, the numerical
-    uncertainty is then unknown).
-    """
-
-    smallest_element: float | None = checked(Number(1e-3, 10.0, "m"), optional=True)
-    refinement: int = checked(Number(COARSEST, 4, integer=True), 0)
-    hardening_ratio: float = checked(Number(0.0, 0.1), 1e-6)
-    step: float | None = checked(Number(1e-6, 1.0, "m"), optional=True)
-    time_step: float | None = checked(Number(1e-9, 1e-4, "s"), optional=True)
-    step_refinement: int = checked(REFINEMENT, 0)
-    levels: int = checked(LEVELS, 2)
+    smallest_element: float | None = checked(
+        Number(1e-3, 10.0, "m"),
+        optional=True,
+        help="along the axis, at the ends and at the hit section (None: a sixth of the height)",
+    )
+    refinement: int = checked(
+        Number(COARSEST, 4, integer=True),
+        0,
+        help="how often all elements are halved in both directions (-1: doubled)",
+    )
+    hardening_ratio: float = checked(
+        Number(0.0, 0.1), 1e-6, help="isotropic hardening modulus over Young's modulus"
+    )
+    step: float | None = checked(
+        Number(1e-6, 1.0, "m"),
+        optional=True,
+        help="of the push (None: 1/320 of the shorter segment); the first ones are smaller",
+    )
+    time_step: float | None = checked(
+        Number(1e-9, 1e-4, "s"),
+        optional=True,
+        help="longest one of an impact (None: what the fastest wave allows, never more)",
+    )
+    step_refinement: int = checked(REFINEMENT, 0, help=HALVED_STEPS)
+    levels: int = checked(LEVELS, 2, help=MESHES)
 
     name: ClassVar[str] = "solid-plane-stress"
     material: ClassVar[tuple[str, ...]] = ("rate", "hardening")
@@ -121,8 +135,7 @@ class SolidPlaneStress(Declared, table="option"):
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Buckling under the axial load, and overrides that a solid cannot follow."""
         findings = [each for each in member_findings(scenario) if each.refusal]
-        text = "the solid takes its shape from the section alone and leaves overrides out"
-        return findings + override_findings(frame_of(scenario.column), _values, text)
+        return findings + override_findings(frame_of(scenario.column), _values, "the solid comes")
 
     def simulate(self, scenario: Scenario) -> Response:
         """Answer a column pushover or impact, with numerical uncertainty."""
@@ -145,7 +158,7 @@ class SolidPlaneStress(Declared, table="option"):
         From then on the restraint spring, unstressed, or the lock of a fixed head acts.
         """
         column = scenario.column
-        with threadpool_limits(1, user_api="blas"):
+        with one_thread():
             solid = solid_column(
                 column, self.smallest_element, self.refinement, self.hardening_ratio
             )
@@ -171,35 +184,24 @@ class _States:
     def see(self) -> None:
         """Read the committed state."""
         solid = self.solid
-        self._rows.append(
-            (
-                float(solid.displacement[solid.supports.hit]),
-                float(solid.velocity[solid.supports.hit]),
-                -float(solid.displacement[solid.supports.head]),
-                solid.stored,
-                solid.dissipated - self._plastic_before,
-                *solid.segment_shear(),
-                solid.largest_strain(),
-                float(np.min(solid.area_ratio())),
-            )
-        )
+        hit, head = solid.supports.hit, solid.supports.head
+        moved = solid.displacement[hit], solid.velocity[hit], -solid.displacement[head]
+        energies = solid.stored, solid.dissipated - self._plastic_before
+        limits = solid.largest_strain(), np.min(solid.area_ratio())
+        self._rows.append((*moved, *energies, *solid.segment_shear(), *limits))
 
     def response(
         self, column: Column, values: Mapping[str, ArrayLike], time: Array | None = None
     ) -> Response:
         """The response with these `values`, of an impact at `time` (steps,) in s."""
-        path, velocity, shortening, elastic, dissipated, below, above, strain, area = np.array(
-            self._rows
-        ).T
-        shear = np.max(np.abs([below, above]), axis=1)
-        known: dict[str, Any] = {} if time is None else {"velocity": velocity}
-        known |= {
-            "displacement": path,
-            "shortening": shortening,
-            "elastic": elastic,
-            "dissipated": dissipated,
-            "shear_utilisation": shear / column.properties.shear_resistance,
-        }
+        rows = np.array(self._rows).T
+        names = "displacement", "velocity", "shortening", "elastic", "dissipated"
+        known: dict[str, Any] = dict(zip(names, rows, strict=False))
+        path, shear, (strain, area) = known["displacement"], rows[5:7], rows[7:]
+        if time is None:
+            del known["velocity"]
+        shear = np.max(np.abs(shear), axis=1)
+        known["shear_utilisation"] = shear / column.properties.shear_resistance
         response = build_response(
             {**known, **values},
             time=time,
