@@ -1,6 +1,7 @@
 """What limits hinges at the ends of members: catenary action, wear, plates that buckle."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -111,14 +112,14 @@ def lateral_findings(frame: Frame, moments: Array, length: float, by_class: bool
     rows = []
     largest = np.abs(moments).reshape(len(frame.members), -1).max(axis=1)
     for member, moment in zip(frame.members, largest, strict=True):
-        if isinstance(member.section.shape, ISection):
+        if isinstance(member.section.shape, ISection) and moment > 0.0:
             resists = frame.properties(member).plastic_moment
             resists *= strength_shares(frame, member)[1] if by_class else 1.0
             chi = lateral_torsional(member.section.shape, frame.steel, length, resists)
             rows.append((float(moment / chi.resistance), member.name, chi))
-    number, name, chi = max(rows, key=lambda row: row[0], default=(0.0, "", None))
-    if chi is None or number <= 0.0:
+    if not rows:
         return []
-    values = {"length": length, "chi": chi.factor, "critical": chi.critical / 1e3}
-    kind = "torsional" if number > 1.0 else "check"
-    return [finding(f"lateral-{kind}", number, member=name, **values)]
+    number, name, chi = max(rows, key=lambda row: row[0])
+    key, critical = "torsional" if number > 1.0 else "check", chi.critical / 1e3
+    values: dict[str, Any] = {"length": length, "chi": chi.factor, "critical": critical}
+    return [finding(f"lateral-{key}", number, member=name, **values)]

@@ -102,7 +102,8 @@ class BarHinges(BarFrames):
     def _bar(self, frame: Frame, piece: Piece) -> Bar:
         section = frame.strength_section(piece.member)
         return Bar(
-            *(self._end(frame, piece, side) for side in (0, 1)),
+            self._end(frame, piece, 0),
+            self._end(frame, piece, 1),
             *(piece.axial, piece.bending, piece.mass),
             shear_stiffness(section, frame.steel) if self.shear_flexible else inf,
             1.0 / series(*(joint.axial_stiffness for joint in piece.joints)),
