@@ -14,7 +14,7 @@ in whether the frame stands. A frame that has collapsed (`CollapseWatch`) ends a
 
 from collections.abc import Collection, Sequence
 from math import inf, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -235,9 +235,9 @@ class CollapseWatch:
 
     def __init__(self, structure: FrameStructure) -> None:
         self._structure = structure
-        if "lines" not in structure.found:
-            structure.found["lines"] = _lines(structure.frame, structure.assembly)
-        self.lines: Lines = structure.found["lines"]
+        if "lines" not in structure.kept:
+            structure.kept["lines"] = _lines(structure.frame, structure.assembly)
+        self.lines: Lines = structure.kept["lines"]
 
     def check(self, displacement: float, time: float | None) -> None:
         """Raise `CollapseError` when the frame has collapsed, with the `displacement` (m) so far.
@@ -246,42 +246,26 @@ class CollapseWatch:
         Raises `CrumpledError` where an element crumples: that depends on its length, and other
         meshes may go on and survive.
         """
-        left, across = self._structure.members.lengths_left(), self._apart(now=True)
-        lost = self._structure.members.contractions() @ self.lines.chained.T
-        turned, squashed = across.max() > COLLAPSE_SIDEWAYS, lost.max() > COLLAPSE_CONTRACTION
-        if left.min() < LEAST_LENGTH or (time is not None and (turned or squashed)):
-            self._tell(left, across, lost, float(displacement), time)
-
-    def _tell(
-        self, left: Array, across: Array, lost: Array, displacement: float, time: float | None
-    ) -> None:
-        """Raise what the numbers of a state say."""
-        names = [member.name for member in self._structure.frame.members]
-
-        def fallen(mechanism: Mechanism, parts: Sequence[str], reason: str) -> CollapseError:
-            collapse = Collapse(mechanism, tuple(parts), displacement, time)
-            return CollapseError(collapse, f"{named(parts)} {reason}")
-
+        structure, members = self._structure, self._structure.members
+        left, across = members.lengths_left(), self._apart(now=True)
+        lost = members.contractions() @ self.lines.chained.T
         if left.min() < LEAST_LENGTH:
-            raise CrumpledError(
-                f"member {names[int(left.argmin())]} crumples at {displacement:.4g} m: a plastic "
-                f"hinge under compression has shortened its element to less than {LEAST_LENGTH:g} "
-                "of its length; take fiber-reissner, or a larger smallest_element, which puts this "
-                "off"
-            )
-        worst = int(across.argmax())
-        if across[worst] > COLLAPSE_SIDEWAYS:
-            reason = (
-                f"has turned: its ends have moved {across[worst]:.2f} of its length apart across "
-                "its axis"
-            )
-            raise fallen(Mechanism.GEOMETRY, [names[worst]], reason)
-        worst = int(lost.argmax())
-        reason = (
-            f"has been squashed by {100.0 * lost[worst]:.3g} % of the length, more than "
-            f"{100.0 * COLLAPSE_CONTRACTION:g} %"
-        )
-        raise fallen(Mechanism.SQUASH, self.lines.chains[worst], reason)
+            name, at = structure.frame.members[int(left.argmin())].name, float(displacement)
+            values: dict[str, Any] = {"member": name, "displacement": at, "least": LEAST_LENGTH}
+            raise CrumpledError(finding("element-crumples", **values).text)
+        turned = across.max() > COLLAPSE_SIDEWAYS
+        if time is None or not (turned or lost.max() > COLLAPSE_CONTRACTION):
+            return
+        names: tuple[str, ...]
+        if turned:
+            names = (structure.frame.members[int(across.argmax())].name,)
+            mechanism, reason = Mechanism.GEOMETRY, finding("turned-over", float(across.max()))
+        else:
+            names, most = self.lines.chains[int(lost.argmax())], 100.0 * COLLAPSE_CONTRACTION
+            reason = finding("squashed", 100.0 * float(lost.max()), most=most)
+            mechanism = Mechanism.SQUASH
+        collapse = Collapse(mechanism, names, float(displacement), time)
+        raise CollapseError(collapse, f"{named(names)} {reason.text}")
 
     def drifts(self, moved: Array) -> Array:
         """Drift of the straight line of members that each upright one belongs to (uprights,).

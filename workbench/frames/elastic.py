@@ -296,18 +296,13 @@ def slowest_period(frame: Frame, node: str, direction: str) -> float:
     return float(periods[swings >= _FELT * swings.max(initial=0.0)].max(initial=0.0)) / softer
 
 
-def wave_times(frame: Frame) -> list[float]:
-    """Times (s) of an axial wave along every member."""
-    modulus, times = frame.steel.elastic_modulus, []
-    for member in frame.members:
-        properties = frame.properties(member)
-        speed = sqrt(modulus * properties.area / properties.mass_per_length)
-        times.append(frame.length(member) / speed)
-    return times
+def wave_times(frame: Frame) -> Array:
+    """Times (members,) in s of an axial wave along every member."""
+    stiffness = frame.steel.elastic_modulus * frame.each("area")
+    return np.asarray(frame.lengths / np.sqrt(stiffness / frame.each("mass_per_length")))
 
 
 def line_wave_times(frame: Frame) -> list[float]:
     """Times (s) of an axial wave along every line of members that continue each other."""
-    names = [member.name for member in frame.members]
-    times = dict(zip(names, wave_times(frame), strict=True))
+    times = dict(zip((m.name for m in frame.members), wave_times(frame).tolist(), strict=True))
     return [sum(times[name] for name in line.members) for line in chains(frame)]

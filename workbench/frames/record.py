@@ -1,6 +1,5 @@
 """What a run of a frame records at every committed step: histories, and pictures of the frame."""
 
-from functools import lru_cache
 from operator import attrgetter
 from typing import Any, ClassVar, cast
 
@@ -9,7 +8,6 @@ import numpy as np
 from workbench.arrays import Array, Indices
 from workbench.frames import collapse
 from workbench.frames.structure import FrameStructure, upright_names
-from workbench.scenarios import Frame
 from workbench.structures.paths import PathStep
 from workbench.structures.superelements import Superelements, SuperelementState
 from workbench.structures.superelements.march import CollapseLimits, Records
@@ -110,7 +108,7 @@ class Snapshots:
 
 
 class Record:
-    """Histories of a run: what its steps tell, and the states that they commit.
+    """Histories of a run: numbers of its steps, and the states that they commit.
 
     Arguments: the `structure` under its dead loads; `node` and `direction` of the displacement;
     `end` of the record in s (None: load steps), see `Snapshots`. Read off as well: `shear_strain`,
@@ -136,7 +134,7 @@ class Record:
         self._begin()
 
     def _begin(self) -> None:
-        """See the state that is there at first."""
+        """Read the initial state."""
         self._see(0.0, False)
 
     @property
@@ -191,7 +189,7 @@ class Record:
         return {name: self.column(name) for name in names}
 
     def history(self, start: float, name: str) -> Array:
-        """History (steps,) of what steps tell by this name (``energies.plastic``), from `start`."""
+        """History (steps,) of a number of the steps (``energies.plastic``), from `start` on."""
         return np.array([start, *map(attrgetter(name), self._steps)])
 
     def moving(self, start: float) -> Array:
@@ -215,11 +213,11 @@ class Record:
 
     def shear_utilisation(self) -> Array:
         """Largest shear force of each member (members,) over its plastic shear resistance."""
-        return np.asarray(self._most[0] / _resistances(self.structure.frame))
+        return np.asarray(self._most[0] / self.structure.frame.each("shear_resistance"))
 
     def unyielding_shear(self) -> Array:
         """The same of the mean along members in which shear does not yield (members,)."""
-        return np.asarray(self._most[1] / _resistances(self.structure.frame))
+        return np.asarray(self._most[1] / self.structure.frame.each("shear_resistance"))
 
     @property
     def dissipated(self) -> Array:
@@ -253,12 +251,6 @@ def _largest(values: Array) -> Array:
     return values if values.ndim == 1 else np.asarray(values.max(axis=0))
 
 
-@lru_cache(maxsize=64)
-def _resistances(frame: Frame) -> Array:
-    """Plastic shear resistance of each member (members,), in N."""
-    return np.array([frame.properties(member).shear_resistance for member in frame.members])
-
-
 _COLUMNS = {"impulse": "percussion", "striker.velocity": "striker_velocity"}
 
 
@@ -286,17 +278,17 @@ class StruckSnapshots(Snapshots):
 
 
 class StruckRecord(Record):
-    """Histories of an impact as `follow_impact` tells of it: many records at a time."""
+    """Histories of an impact by `follow_impact`, many records at a time."""
 
     pictures: ClassVar[type[Snapshots]] = StruckSnapshots
     _snapshots: StruckSnapshots
 
     def _begin(self) -> None:
-        """Nothing is seen yet: the first records tell of the start as well."""
+        """The first records hold the initial state."""
 
     @property
     def limits(self) -> CollapseLimits:
-        """Beyond what the frame has collapsed, for compiled steps."""
+        """Limits of collapse, for compiled steps."""
         lines = self.watch.lines
         return CollapseLimits(
             collapse.COLLAPSE_SIDEWAYS,

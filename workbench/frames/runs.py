@@ -63,9 +63,9 @@ def run_impact(
     warnings += _softened(record) + _impact_accuracy(record, input_energy)
     if not structure.is_column:
         key = f"sway {striker.node} {striker.direction}"
-        if key not in structure.found:
-            structure.found[key] = sway_collapse(scenario)
-        warnings += sway_findings(structure.found[key], record.drift)
+        if key not in structure.kept:
+            structure.kept[key] = sway_collapse(scenario)
+        warnings += sway_findings(structure.kept[key], record.drift)
     return _timed_response(record, scenario, values, warnings, largest_error)
 
 
@@ -200,7 +200,7 @@ def _response(
     return response
 
 
-# -- what a finished run tells about its own accuracy and its limits ---------------------------
+# -- accuracy and limits of a finished run -----------------------------------------------------
 
 
 def _gone_far(record: Record, imposed: bool) -> list[Finding]:

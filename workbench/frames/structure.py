@@ -112,8 +112,8 @@ class FrameStructure:
     `assembly`, whose first nodes are those of the `frame`; `members` read their states;
     `start`, the displacements (dofs,) from which those of the response count; `watched`, further
     histories of the response by name: dof and sign of a displacement since the unloaded state;
-    names of its `hinges`, where they are not those of the members' ends; what was `found` of it
-    once, shared by its copies.
+    names of its `hinges`, where they are not those of the members' ends; results
+    `kept` of it, shared by its copies.
     """
 
     frame: Frame
@@ -122,7 +122,7 @@ class FrameStructure:
     start: Array
     watched: Mapping[str, tuple[int, float]] = field(default_factory=dict)
     hinges: Sequence[str] = ()
-    found: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
+    kept: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def is_column(self) -> bool:

@@ -109,13 +109,14 @@ def _parts(
 ) -> tuple[int, ...]:
     """Those of a frame whose nodes a `mass` (kg) hits, or (infinite) the force of a pulse."""
     counts = [far] * len(frame.members)
-    struck = [(n, m) for n, m in enumerate(frame.members) if {m.start, m.end} & set(nodes)]
-    ends = {end for _, m in struck for end in (m.start, m.end)} - set(nodes)
-    for number, member in enumerate(frame.members):
-        if ends & {member.start, member.end}:
-            counts[number] = multiple * ceil(_NEIGHBOURS / multiple)
+    at = np.isin(frame.ends, [frame.number[name] for name in nodes])
+    struck = at.any(axis=1)
+    beside = np.isin(frame.ends, frame.ends[struck][~at[struck]]).any(axis=1)
+    for number in np.flatnonzero(beside):
+        counts[number] = multiple * ceil(_NEIGHBOURS / multiple)
     heights = _LONGEST if mass < inf else 0.5 * _LONGEST
-    for number, member in struck:
+    for number in np.flatnonzero(struck):
+        member = frame.members[number]
         height, per_length = member.section.height, frame.properties(member).mass_per_length
         longest = min(heights * height, 1.5 * _SHARED * mass / per_length)
         pairs = frame.length(member) / max(longest, height) / multiple

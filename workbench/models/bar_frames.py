@@ -113,7 +113,7 @@ class BarFrames(FrameModel):
         duration = scenario.duration
         if self.time_step is not None:
             return [(duration, self.time_step)]
-        waves = np.array(wave_times(scenario.frame)) / self.parts(scenario)
+        waves = wave_times(scenario.frame) / self.parts(scenario)
         peak = time_to_peak(scenario)
         coarsest = min(duration / LEAST_STEPS, 2.0 * float(waves.min()))
         share = 0.5 if scenario.striker.rebounds else 1.0

@@ -59,7 +59,7 @@ PICTURES = ("snapshot_at", "shape_x", "shape_y", "utilisation", "member", "point
 def derive_column(
     scenario: FrameImpact, head_mass: str = "column-line", head: str = "joined"
 ) -> ColumnImpact:
-    """The column that stands for an impacted frame, as a scenario of its own.
+    """The struck column of a frame as a column impact.
 
     Arguments as the options of `ColumnOfFrame`. Raises `InputError`, and `OutOfDomainError` where
     what is hit is no column, or none that such a scenario can hold.

@@ -5,6 +5,8 @@ from functools import lru_cache
 from math import pi, sqrt
 from typing import Any
 
+import numpy as np
+
 from workbench.frames.collapse import member_strength
 from workbench.frames.elastic import ElasticFrame, dead_load_state
 from workbench.frames.members import SHEAR_LOSS, shear_bound
@@ -61,8 +63,7 @@ def _massless_findings(frame: Frame) -> list[Finding]:
     """Warning of dead loads whose mass no node has, so that the ground does not shake it."""
     masses = {node.name: node.mass for node in frame.nodes}
     missing = sum(max(mass - masses[node], 0.0) for node, mass in frame.load_masses.items())
-    steel = sum(frame.properties(m).mass_per_length * frame.length(m) for m in frame.members)
-    there = steel + sum(masses.values())
+    there = float(frame.each("mass_per_length") @ frame.lengths) + sum(masses.values())
     if missing <= _SHARE * there:
         return []
     return [finding("mass", missing / there, missing=missing, there=there)]
@@ -95,12 +96,12 @@ def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Fin
     if not isinstance(scenario, FrameImpact):
         return []
     frame, striker = scenario.frame, scenario.striker
-    struck = [(n, m) for n, m in enumerate(frame.members) if striker.node in (m.start, m.end)]
-    steel = {n: frame.properties(m).mass_per_length * frame.length(m) for n, m in struck}
-    shared = sum(mass / parts[number] / 3.0 for number, mass in steel.items())
+    struck = (frame.ends == frame.number[striker.node]).any(axis=1)
+    masses, counts = frame.each("mass_per_length") * frame.lengths, np.asarray(parts)
+    shared = float((masses / counts)[struck].sum()) / 3.0
     lost = (1.0 - striker.restitution**2) * shared / (shared + striker.mass)
-    share = striker.mass / sum(steel.values())
-    fewest = min((each for n, each in enumerate(parts) if n not in steel), default=_ENOUGH)
+    share = float(striker.mass / masses[struck].sum())
+    fewest = int(counts[~struck].min(initial=_ENOUGH))
     light = []
     if share < 1.0 and fewest < _ENOUGH:
         wanted = max(_ENOUGH, *parts)  # fewer beside the node share more mass with the striker
@@ -278,18 +279,9 @@ def implausible(scenario: Scenario) -> list[Finding]:
     findings = []
     for path, value, whole, least, unit in _sizes(scenario):
         if 0.0 < abs(value) < least * whole:
-            si = _SI[unit]
-            findings.append(
-                finding(
-                    "small-for-unit",
-                    abs(value) / whole,
-                    path=path,
-                    value=value,
-                    si=si,
-                    whole=whole,
-                    unit=unit,
-                )
-            )
+            values: dict[str, Any] = {"path": path, "value": value, "si": _SI[unit]}
+            values |= {"whole": whole, "unit": unit}
+            findings.append(finding("small-for-unit", abs(value) / whole, **values))
     striker = getattr(scenario, "striker", None)
     if striker is not None and striker.velocity > _FAST and striker.mass >= _VEHICLE:
         findings.append(finding("fast-vehicle", striker.velocity, speed=3.6 * striker.velocity))
@@ -308,10 +300,9 @@ def _sizes(scenario: Any) -> Iterator[tuple[str, float, float, float, str]]:
             yield "force of the pulse", force, properties.shear_resistance, _LEAST_PULSE, "kN"
     elif hasattr(scenario, "frame"):
         frame = scenario.frame
-        each = {member: frame.properties(member) for member in frame.members}
-        steel = sum(p.mass_per_length * frame.length(member) for member, p in each.items())
+        steel = float(frame.each("mass_per_length") @ frame.lengths)
         if not isinstance(scenario, FrameStatic):
-            squash = max(p.squash_load for p in each.values())
+            squash = float(frame.each("squash_load").max())
             load = max((abs(f) for at in frame.loads for f in (at.x, at.y)), default=0.0)
             yield "largest dead load", load, squash, LEAST_LOAD, "kN"
         yield "largest mass of a node", max(n.mass for n in frame.nodes), steel, _LEAST_MASS, "t"

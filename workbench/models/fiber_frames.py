@@ -14,11 +14,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from workbench.arrays import Array
 from workbench.fields import Choice, Number, checked
 from workbench.frames.members import fiber_section, residual_findings
 from workbench.frames.superelements import Piece
-from workbench.hinges.interaction import polyline
 from workbench.models.bar_frames import Cut
 from workbench.models.frame_model import as_frame
 from workbench.models.hinged_frames import BarHinges
@@ -65,10 +63,6 @@ class ForceBased(BarHinges):
     @abstractmethod
     def rule(self, piece: Piece) -> Rule:
         """Points along an element."""
-
-    def curve(self, frame: Frame, piece: Piece, joint_governs: bool) -> Array:
-        """The exact one, for telling how near a section is to yield."""
-        return polyline("exact", frame.strength_section(piece.member))
 
     def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
         """The elements; their elastic stiffness is that of the fibers."""
@@ -133,16 +127,13 @@ class Resultants(BarHinges):
         Number(3, 20, integer=True), 5, help="Gauss-Lobatto points along an element, ends included"
     )
 
+    interaction: ClassVar[str] = "super-ellipse"
     second_order: ClassVar[bool] = False
     euler_share: ClassVar[float] = 1.0 / 16.0
     loses_moment: ClassVar[str] = (
         "the super-ellipse is some percent off the section there, on laden members up to a quarter "
         "of the peak"
     )
-
-    def curve(self, frame: Frame, piece: Piece, joint_governs: bool) -> Array:
-        """The super-ellipse."""
-        return polyline("super-ellipse", frame.strength_section(piece.member))
 
     @abstractmethod
     def law(self, frame: Frame, member: Member) -> tuple[float, float, float, bool]:

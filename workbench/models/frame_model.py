@@ -143,13 +143,10 @@ class FrameModel(ABC, Declared, table="option"):
         """End times and time steps (s) of the parts of the record of an impact."""
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
-        """Findings common to all member models; of impacts those of the structure, found once."""
-        if isinstance(scenario, ColumnImpact):
-            kept, key = scenario.column.kept, "findings"
-        elif isinstance(scenario, FrameImpact):
+        """Findings common to all member models; of a frame kept for every hit on a node."""
+        kept, key = {}, ""
+        if isinstance(scenario, FrameImpact):
             kept, key = scenario.frame.kept, f"findings at {scenario.striker.node}"
-        else:
-            kept, key = {}, ""
         if key not in kept:
             with one_thread():
                 kept[key] = member_findings(scenario)
@@ -158,21 +155,17 @@ class FrameModel(ABC, Declared, table="option"):
     def simulate(self, scenario: Scenario) -> Response:
         """Answer a static loading, an impact or a motion of the ground, of a frame or a column.
 
-        What the run of a hit on a frame has `settled` is no longer announced.
+        Findings of the domain that the run of an impact has measured are left out, see `settled`.
         """
         response = respond(self, scenario, self.solve)
         if isinstance(scenario, FrameImpact) and "shear_utilisation" in response:
-            settled, known = self.settled(scenario, response), findings_of(response)
-            left = [finding for finding in known if finding.subject not in settled]
-            if len(left) < len(known):
-                set_findings(response, left)
+            settled = self.settled(scenario, response)
+            left = [each for each in findings_of(response) if each.subject not in settled]
+            set_findings(response, left)
         return response
 
     def settled(self, scenario: FrameImpact, response: Response) -> set[str]:
-        """Subjects of findings of the domain that the run replaces by what it has measured.
-
-        Such as the shear of a mechanism of members between joints that hold still.
-        """
+        """Subjects of domain findings that measured ones replace, such as the mechanism's shear."""
         return {"shear"}
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
@@ -189,7 +182,7 @@ class FrameModel(ABC, Declared, table="option"):
             return self.run(as_frame(scenario), structure)
 
     def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
-        """Answer it on a structure of its own, see `structure` and `as_column`."""
+        """Answer a scenario on a structure that the run may change."""
         clock = Clock()
         if isinstance(scenario, FrameStatic):
             path = clock.timed(self._push(scenario, structure))

@@ -39,8 +39,7 @@ def catenary_reach(scenario: FrameImpact) -> float:
 
 def axial_findings(frame: Frame, effect: str) -> list[Finding]:
     """Warning of dead loads that are a share of a squash load that has an `effect` on hinges."""
-    squash = [frame.properties(member).squash_load for member in frame.members]
-    shares = np.abs(dead_load_state(frame).axial) / squash
+    shares = np.abs(dead_load_state(frame).axial) / frame.each("squash_load")
     worst = int(shares.argmax())
     if shares[worst] <= AXIAL_SHARE:
         return []
@@ -51,7 +50,7 @@ def axial_findings(frame: Frame, effect: str) -> list[Finding]:
 def wear_findings(event: FrameScenario, known: bool) -> list[Finding]:
     """Of hinges that wear: hits that draw them out; unless it is `known`, their capacity.
 
-    Refusal of members whose rotation capacity no test tells, warning of those outside tests.
+    Refusal of members whose rotation capacity is not tested, warning of those outside the tests.
     """
     findings, frame = [], event.frame
     if isinstance(event, FrameImpact) and (reach := catenary_reach(event)) > CATENARY:

@@ -7,7 +7,6 @@ member between its ends. `refined-plastic-hinge` loses stiffness by degrees. Der
 docs/theory/frame-models.md.
 """
 
-from abc import abstractmethod
 from dataclasses import dataclass, replace
 from math import ceil, inf, pi, sqrt
 from typing import ClassVar, cast
@@ -54,6 +53,7 @@ class BarHinges(BarFrames):
 
     shear_flexible: bool = checked(Flag(), True, help="elastic shear strain of members")
 
+    interaction: ClassVar[str] = "exact"  # rule of N and M
     second_order: ClassVar[bool] = True
     euler_share: ClassVar[float] = 0.9  # of a pin-ended bar, that its squash load is kept below
     stretches: ClassVar[bool] = True  # whether hinges elongate plastically as they flow
@@ -76,9 +76,8 @@ class BarHinges(BarFrames):
 
     def settled(self, scenario: FrameImpact, response: Response) -> set[str]:
         """Also catenary action, which joints that give way may have kept from any member."""
-        frame = scenario.frame
-        squash = [frame.properties(member).squash_load for member in frame.members]
-        tension = response["axial_force"].values / np.repeat(squash, 2)[:, None]
+        squash = np.repeat(scenario.frame.each("squash_load"), 2)
+        tension = response["axial_force"].values / squash[:, None]
         pulled = float(np.max(tension)) > NO_MOMENT_LOST
         return super().settled(scenario, response) | (set() if pulled else {"catenary"})
 
@@ -117,9 +116,9 @@ class BarHinges(BarFrames):
         curve, spring = self.curve(frame, piece, weaker != surface), joint.rotational_stiffness
         return PlasticEnd(weaker.axial_bounds, weaker.moment_bounds, curve, series(spring))
 
-    @abstractmethod
     def curve(self, frame: Frame, piece: Piece, joint_governs: bool) -> Array:
         """Share of the moment left over |N| over its resistance (2, corners)."""
+        return polyline(self.interaction, frame.strength_section(piece.member))
 
     def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
         """The elements."""
@@ -223,7 +222,7 @@ class PlasticHinge(BarHinges):
         return replace(end, rotation=rotation, softness=sway)
 
     def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
-        """Answer it, and tell the least share of its strength that a hinge has left."""
+        """As all; adds the least share of its strength that a hinge has left."""
         response = super().run(scenario, structure)
         if self.degradation != "none":
             left = cast(BarElements, structure.members.elements).strength_left
@@ -281,6 +280,7 @@ class RefinedPlasticHinge(BarHinges):
 
     name: ClassVar[str] = "refined-plastic-hinge"
     version: ClassVar[int] = 6
+    interaction: ClassVar[str] = "aisc"  # H1-1, for members and joints
     euler_share: ClassVar[float] = 0.0  # stability functions hold beyond the load of a bar
     stretches: ClassVar[bool] = False
     in_cycles: ClassVar[str] = (
@@ -304,10 +304,6 @@ class RefinedPlasticHinge(BarHinges):
         keys = ["liew1993", "heng2017", *(["engesser1895"] if self.modulus == "double" else [])]
         keys += ["en1993-1-1"] if self.local_buckling or self.unbraced_length else []
         return (*keys, *(["en1993-1-5"] if self.local_buckling else []))
-
-    def curve(self, frame: Frame, piece: Piece, joint_governs: bool) -> Array:
-        """AISC H1-1 for members and joints."""
-        return polyline("aisc", frame.strength_section(piece.member))
 
     def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
         """The elements."""

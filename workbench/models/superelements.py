@@ -247,7 +247,7 @@ class _HingedBars(BarFrames):
 def _standing(
     model: _HingedBars, frame: Frame, parts: tuple[int, ...], column: bool
 ) -> FrameStructure:
-    """The frame under its dead loads, told of as a `column`: many strikers hit it."""
+    """The frame under its dead loads, or `column`, kept for many strikers."""
     with one_thread():
         structure = model.bring_up(frame, parts)
     return as_column(structure) if column else structure

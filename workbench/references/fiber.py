@@ -97,7 +97,7 @@ class FiberReference(FrameModel):
     crushing: ClassVar[bool] = True
     collision_halvings: ClassVar[int] = 5
     longer: ClassVar[float] = 1.0  # steps, where less is left of the waves
-    largest_error: ClassVar[float | None] = None  # refinement tells of it
+    largest_error: ClassVar[float | None] = None  # refinement measures it
     shear_yields: ClassVar[bool] = False
 
     def check(self) -> None:

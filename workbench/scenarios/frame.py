@@ -203,6 +203,10 @@ class Frame(Declared, table="frame"):
         """Section values of a member with its overrides applied."""
         return self._properties[self._member(member).name]
 
+    def each(self, name: str) -> Array:
+        """Section value of that name of every member (members,), overrides applied."""
+        return np.array([getattr(values, name) for values in self._properties.values()])
+
     def strength_section(self, member: Member | str) -> Section:
         """Return the section whose fibers and envelope give a member's strength."""
         return strength_section(self._member(member).section, self.fillets)
