@@ -7,7 +7,7 @@ import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from html import escape
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 from workbench.errors import InputError, shown
 from workbench.units import in_si
@@ -68,10 +68,13 @@ class Number(Rule):
         if isinstance(value, float) and not math.isfinite(value):
             raise self._refusal(path, value, "the number must be finite")
         # Compared as it is: whole numbers may lie beyond all floats.
-        inside = self.low <= value <= self.high and (self.low_included or value > self.low)
-        if not inside or (self.integer and value != int(value)):
+        if not self.holds(value) or (self.integer and value != int(value)):
             raise self._refusal(path, value)
         return int(value) if self.integer else float(value) + 0.0  # 0.0, not -0.0: they are equal
+
+    def holds(self, value: Any) -> Any:
+        """Whether a number, or each of an array, lies between the bounds."""
+        return (self.low <= value) & (value <= self.high) & (self.low_included | (value > self.low))
 
     def _with_unit(self, path: str, text: str) -> float:
         """The number of a text such as ``"90 km/h"``."""
@@ -279,6 +282,19 @@ class Declared:
     def check(self) -> None:
         """Refuse what the fields cannot be together. Raises `InputError`."""
 
+    def changed(self, **values: Any) -> Self:
+        """Return a copy with other values, checked; of a stack, or with arrays, `unchecked`."""
+        if is_stack(self) or any(map(is_stack, values.values())):
+            return self.unchecked(**values)
+        return dataclasses.replace(self, **values)
+
+    def unchecked(self, **values: Any) -> Self:
+        """Return a copy with other values, which are allowed; arrays make it a stack of objects."""
+        copy = object.__new__(type(self))
+        names = (field.name for field in dataclasses.fields(self))
+        copy.__dict__.update({name: getattr(self, name) for name in names} | values)
+        return copy
+
     def refusal(self, name: str, allowed: str, advice: str = "") -> InputError:
         """Return the error of the field of this name, "" for all; the rest as in `InputError`."""
         field = self.__dataclass_fields__.get(name)
@@ -299,6 +315,13 @@ class Declared:
     def _path(self, field: dataclasses.Field[Any]) -> str:
         label = f".{getattr(self, self.LABEL)}" if self.LABEL not in ("", field.name) else ""
         return path_of(field, self.TABLE + label)
+
+
+def is_stack(part: Any) -> bool:
+    """Whether something is an array, or a declared object with arrays somewhere in its fields."""
+    if isinstance(part, Declared):
+        return any(is_stack(getattr(part, f.name)) for f in dataclasses.fields(part))
+    return getattr(part, "ndim", 0) > 0
 
 
 @cache

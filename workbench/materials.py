@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import sqrt
 from typing import Any
 
@@ -136,7 +136,7 @@ class Steel(Declared, table="steel"):
 
     def stronger(self, factor: float) -> Steel:
         """Return the steel with a yield stress that many times as high."""
-        return replace(self, yield_stress=factor * self.yield_stress)
+        return self.changed(yield_stress=factor * self.yield_stress)
 
     @property
     def shear_yield_stress(self) -> float:

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.hinges.rate import overstress_shape, rotation_rate
-from workbench.hinges.viscoplastic import bar_law
+from workbench.hinges.rate import bar_law, overstress_shape, rotation_rate
 from workbench.hinges.viscoplastic_kernels import MOST, flow_of_bar, gauge, potential
 from workbench.materials import MILD_STEEL, CowperSymonds, Steel
 from workbench.sections import find, square

@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 
 from workbench.errors import InputError
 from workbench.materials import CowperSymonds
+from workbench.models.batch import simulate_many
 from workbench.models.energy_estimate import EnergyEstimate, energy_to_absorb
 from workbench.models.resistance import column_curve
 from workbench.models.single_dof import SingleDof
@@ -141,7 +142,7 @@ def test_a_steel_that_knows_its_rate_strengthens_a_curve_as_it_does_the_column(
     assert (
         single.attrs["rate_factor"] == factor == SingleDof().simulate(impact).attrs["rate_factor"]
     )
-    many = SingleDof(softening).simulate_many([impact])
+    many = simulate_many(SingleDof(softening), [impact])
     assert many["peak_displacement"][0] == float(single["peak_displacement"])
     pulse = MemberPulse("pulse", quick, Pulse("triangular", 1e6, 0.01), "point", 0.05)
     told = [{f.subject for f in warnings_of(SingleDof(softening, rate_factor=r).simulate(pulse))}

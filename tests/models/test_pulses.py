@@ -19,7 +19,7 @@ from workbench.models.practice.deflected_shape import Beam
 from workbench.models.resistance import ResistanceCurve, mechanism_of
 from workbench.models.resistance.kernels import PIECE
 from workbench.models.single_dof import SingleDof, march
-from workbench.models.single_dof.pulse import Pushed, push
+from workbench.models.single_dof.pulse import Pushed, no_striker, push, under_pulse
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_shear import FiberShear
@@ -180,10 +180,10 @@ def test_masses_of_stages_change_on_either_swing(column) -> None:
     curve = bilinear(column).curve
     stages = np.array([[0.0, MASS, 1.0], [0.7 * STRENGTH / STIFFNESS, 0.8 * MASS, 1.0]])
     means, step, swings = np.full(300, 1.5 * STRENGTH), 2e-4 / OMEGA**0.5, []
-    drive = march.no_striker(curve.elastic_limit, np.inf, MASS)
+    drive = no_striker(curve.elastic_limit, np.inf, MASS)
     for sign in (1.0, -1.0):
         tables, pace = (curve.pieces, stages, sign * means, 0.0), Pace.equal(300 * step, step, 300)
-        run = follow(march.pulse, tables, pace, drive, march.RECORD)
+        run = follow(under_pulse, tables, pace, drive, march.RECORD)
         swings.append(sign * run.records["velocity"])
     assert np.abs(swings[0]).max() > 1.0
     np.testing.assert_allclose(swings[1], swings[0], rtol=1e-9)

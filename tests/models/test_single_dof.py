@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from workbench.errors import InputError
 from workbench.impact import collide
 from workbench.materials import Steel
+from workbench.models.batch import simulate_many
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof
 from workbench.models.resistance import (
@@ -581,11 +582,11 @@ def test_batch_gives_the_numbers_of_single_runs(thesis_impact) -> None:
                                               second_moment=1e-6)),
     ]  # fmt: skip
     model = SingleDof()
-    peaks = model.simulate_many(scenarios)
+    peaks = simulate_many(model, scenarios)
     for row in (0, 1, 3):
         response = model.simulate(scenarios[row])
         assert peaks.failure[row] == ""
-        for name in peaks.columns[:5]:
+        for name in peaks.columns[:-2]:
             value = peaks[name][row]
             assert (float(response[name]) == value) if name in response else np.isnan(value)
     assert list(peaks.outcome) == ["ok", "ok", "collapse", "ok", "out-of-domain"]

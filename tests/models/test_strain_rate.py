@@ -9,6 +9,7 @@ import pytest
 from workbench.errors import InputError
 from workbench.hinges.rate import hinge_overstress, overstress_shape
 from workbench.materials import GRADES, MILD_STEEL, CowperSymonds, Steel
+from workbench.models.batch import simulate_many
 from workbench.models.single_dof import SingleDof
 from workbench.models.strain_rate import rate_factor, stronger, with_rate
 from workbench.registry import make_model
@@ -121,7 +122,7 @@ def test_a_model_runs_with_the_factor(rated: ColumnImpact, name: str) -> None:
 
 
 def test_many_columns_have_their_factors_too(rated: ColumnImpact) -> None:
-    many = SingleDof().simulate_many([rated])
+    many = simulate_many(SingleDof(), [rated])
     alone = SingleDof().simulate(rated)
     assert many["peak_displacement"][0] == float(alone["peak_displacement"])
 

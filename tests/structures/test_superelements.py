@@ -25,7 +25,7 @@ from superelement_cases import (
 
 from workbench.hinges import YieldSurface
 from workbench.hinges.panel_kernels import WEB
-from workbench.hinges.viscoplastic import bar_law
+from workbench.hinges.rate import bar_law
 from workbench.materials import MILD_STEEL, Steel
 from workbench.sections import find
 from workbench.structures.assembly import PlanarAssembly

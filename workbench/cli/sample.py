@@ -54,9 +54,10 @@ def sample(
     no answer (the table says why), 2 for bad input.
     """
     from workbench.fields import Number
+    from workbench.models.batch import FAILURE, OUTCOME
     from workbench.registry import make_model
     from workbench.scenarios import to_toml
-    from workbench.uncertainty.answers import FAILURE, OUTCOME, sample_answers
+    from workbench.uncertainty.sample_runs import sample_answers
 
     target = writable("--out", out, *ENDINGS, inputs=[scenario])
     Number(1, MOST, integer=True).check("--samples", samples)
@@ -109,8 +110,8 @@ def sensitivity(
 
     from workbench.fields import Number
     from workbench.registry import make_model
-    from workbench.uncertainty.answers import sample_answers
     from workbench.uncertainty.inputs import sobol_scores
+    from workbench.uncertainty.sample_runs import sample_answers
     from workbench.uncertainty.sensitivity import FEWEST_OF_A_KIND, FEWEST_ROWS, sobol_indices
 
     Number(FEWEST_ROWS, MOST_ROWS, integer=True).check("--samples", samples)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from copy import deepcopy
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +12,18 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from workbench.arrays import Array
 from workbench.desk.answers import asked
 from workbench.errors import InputError
 from workbench.evidence.advice import choose
 from workbench.models.base import Model
-from workbench.responses import SCALARS
+from workbench.models.batch import FAILURE, OUTCOME
+from workbench.responses import SCALARS, Outcome
 from workbench.responses.variables import VARIABLES
 from workbench.scenarios import Scenario, load_scenario
-from workbench.scenarios.files import apply_override, scenario_from, to_toml
-from workbench.uncertainty.answers import CHUNK, FAILURE, OUTCOME, answers_of
-from workbench.uncertainty.sample_runs import Processes
+from workbench.scenarios.files import place_of, to_toml
+from workbench.scenarios.varied import Varied
+from workbench.uncertainty.sample_runs import answers_of
 
 MOST = 1_000_000
 
@@ -90,16 +91,18 @@ def sweep(
     for key, each in read.items():
         if cases is None and len(set(map(str, each))) < len(each):
             raise InputError(key, each, "must be different values")
-    combine = itertools.product if cases is None else zip
-    combinations = combine(*values.values())
-    varied = [_with(tables, dict(zip(values, each, strict=True))) for each in combinations]
-    errors = [each for each in varied if isinstance(each, InputError)]
-    if len(errors) == len(varied):
-        raise errors[0]
-    parts = [varied[k : k + CHUNK] for k in range(0, len(varied), CHUNK)]
-    with Processes(jobs if len(parts) * len(chosen) > 1 else 1) as run:
-        tasks = [(model, part) for model in chosen for part in parts]
-        rows: pd.DataFrame = pd.concat(run(_answer, tasks), ignore_index=True)
+    places = np.tile(np.arange(count), (len(lengths), 1))
+    if cases is None:  # every value with every other
+        places = np.indices(lengths).reshape(len(lengths), -1)
+    columns = {
+        place_of(tables, key, f"{key}={each[0]}"): _column(each)[at]
+        for (key, each), at in zip(values.items(), places, strict=True)
+    }
+    varied = Varied(tables, columns)
+    answers = [answers_of(model, varied, given, jobs) for model in chosen]
+    rows: pd.DataFrame = pd.concat(answers, ignore_index=True)
+    if (rows[OUTCOME] == Outcome.INVALID_INPUT.value).all():
+        _ = varied[0]  # says why
     named = {key: (each, {"units": _unit(given, key)}) for key, each in read.items()}
     if cases is None:
         return _dataset(
@@ -109,36 +112,27 @@ def sweep(
     return _dataset(rows, {"model": names, **coordinates}, ["case"])
 
 
-def _answer(task: tuple[Model, list[Scenario | InputError]]) -> pd.DataFrame:
-    return answers_of(*task)
+def _column(values: list[Any]) -> Array:
+    """Values as an array: of numbers, or of whatever they are."""
+    if all(isinstance(value, float) for value in values):
+        return np.array(values)
+    column = np.empty(len(values), dtype=object)
+    column[:] = values
+    return column
 
 
-def _with(tables: Mapping[str, Any], values: Mapping[str, Any]) -> Scenario | InputError:
-    """The scenario with other values, or why they are not allowed."""
-    changed = deepcopy(dict(tables))
-    try:
-        for key, value in values.items():
-            plain = value.item() if isinstance(value, np.generic) else value
-            text = f'"{plain}"' if isinstance(plain, str) else repr(plain)
-            apply_override(changed, f"{key}={text}")
-        return scenario_from(changed)
-    except InputError as error:
-        return error
-
-
-def _coordinate(tables: Mapping[str, Any], key: str, values: list[Any]) -> list[Any]:
+def _coordinate(tables: dict[str, Any], key: str, values: list[Any]) -> list[Any]:
     """Values as the scenario reads them: numbers with a unit in SI."""
-    read = []
-    for value in values:
-        at = value
-        built = _with(tables, {key: value}) if isinstance(value, str) else None
-        if built is not None and not isinstance(built, InputError):
-            part: Any = tomllib.loads(to_toml(built))
-            for name in key.split("."):
-                part = part.get(name, value) if isinstance(part, dict) else value
-            at = part
-        read.append(at)
-    return read
+    texts = list(dict.fromkeys(value for value in values if isinstance(value, str)))
+    path, read = place_of(tables, key, f"{key}={values[0]}"), {}
+    varied = Varied(tables, {path: texts})
+    for row, text in enumerate(texts):
+        with suppress(InputError, KeyError):
+            part: Any = tomllib.loads(to_toml(varied[row]))
+            for name in path:
+                part = part[name]
+            read[text] = part
+    return [read.get(value, value) if isinstance(value, str) else value for value in values]
 
 
 def _unit(scenario: Any, key: str) -> str:

@@ -1,16 +1,17 @@
 """What a march has written, read once for all models: histories, peak, why it ended."""
 
-from math import pi, prod, sqrt
+from math import isnan, pi, prod, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from workbench.arrays import Array
+from workbench.compiled import njit
 from workbench.errors import SolverError
 from workbench.impact.crushing import CRUSH, UNLOADING
 from workbench.impact.integrator import COLLAPSE, NO_CONVERGENCE, PROGRESS, TOO_MANY
 from workbench.impact.pace import PIECES, Pace
-from workbench.responses.histories import peak_of
+from workbench.responses.kernels import first_peak
 from workbench.scenarios import Striker
 
 RECORDS = 40, 20_000  # of a period in which a striker is crushed, of a whole record at most
@@ -33,17 +34,22 @@ class Run(NamedTuple):
 
         With `bounces` the column may come as far again: then the time is that of the first peak.
         """
-        v = self.records["displacement"]
-        if int(np.argmax(v)) == len(v) - 1 or not self.progress["peak"] > 0.0:
-            return {}
-        largest = {name: float(self.progress[name]) for name in ("peak", "time_of_peak")}
-        when = largest["time_of_peak"]
-        if bounces:
-            time = self.records["time"]
-            first = peak_of(time, v)["time_of_peak"]
-            if np.diff(np.searchsorted(time, (first, when))) > 1:
-                when = first
-        return {"peak_displacement": largest["peak"], "time_of_peak": when}
+        peak, when = standstill(self.records, self.progress, bounces)
+        return {} if isnan(peak) else {"peak_displacement": peak, "time_of_peak": when}
+
+
+@njit(cache=True, error_model="numpy")
+def standstill(records, progress, bounces):
+    """Peak (m) of an impact and its time (s), see `Run.peak`; NaN without one."""
+    time, v = records["time"], records["displacement"]
+    if np.argmax(v) == v.size - 1 or not progress.peak > 0.0:
+        return np.nan, np.nan
+    when = progress.time_of_peak
+    if bounces:
+        first = first_peak(time, v)[1]
+        if np.searchsorted(time, when) - np.searchsorted(time, first) > 1:
+            when = first
+    return progress.peak, when
 
 
 def follow(

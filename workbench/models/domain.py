@@ -132,6 +132,11 @@ def euler_load(column_scenario: ColumnScenario) -> float:
     return pi**2 * bending / buckling_length**2
 
 
+def buckles(scenario: ColumnScenario) -> Any:
+    """Whether the axial load reaches the Euler load; flags of a stack."""
+    return scenario.column.axial_load >= euler_load(scenario)
+
+
 def shear_demand(scenario: ColumnScenario) -> dict[str, float]:
     """Shear force of the bending mechanism over the plastic shear resistance, per segment.
 
@@ -172,7 +177,7 @@ def buckling_findings(scenario: ColumnScenario) -> list[Finding]:
     """Refusal of an axial load above the Euler load, warning of one above half of it."""
     findings = []
     load, critical = scenario.column.axial_load, euler_load(scenario)
-    if load >= critical:
+    if buckles(scenario):
         findings.append(
             finding("euler-reached", load / critical, load=load / 1e3, critical=critical / 1e3)
         )

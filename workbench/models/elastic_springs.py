@@ -23,13 +23,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from workbench.arrays import Array
+from workbench.compiled import njit
 from workbench.scenarios import Column
+from workbench.structures.kernels import solve_dense
 
 
 class Springs(NamedTuple):
     """Flexibilities (rad/(N m)) of the hinges at `base`, hit point (`below`, `above`), `head`.
 
-    Infinite at a pinned end.
+    Infinite at a pinned end; of a stack of columns arrays.
     """
 
     base: float
@@ -38,20 +41,22 @@ class Springs(NamedTuple):
     head: float
 
 
+@njit(cache=True, error_model="numpy")
 def bar_functions(load: float) -> tuple[float, float]:
     """f1 and f2 of a bar with P l^2 / EI = `load`."""
     if abs(load) < 1e-3:  # series, whose next term is below 1e-8
         return 1.0 / 3.0 + load / 45.0, 1.0 / 6.0 + 7.0 * load / 360.0
-    u = sqrt(load)
+    u = sqrt(complex(load))
     return ((1.0 - u / tan(u)) / load).real, ((u / sin(u) - 1.0) / load).real
 
 
+@njit(cache=True, error_model="numpy")
 def line_function(load: float) -> float:
     """f3: rotation at the ends of a bar under a line load q, times EI / q l^3; as above."""
     if abs(load) < 1e-3:
         return (1.0 + load / 10.0) / 24.0
-    w = 0.5 * sqrt(load)
-    return float(((tan(w) - w) / (8.0 * w**3)).real)
+    w = 0.5 * sqrt(complex(load))
+    return ((tan(w) - w) / (8.0 * w**3)).real
 
 
 def thesis_springs(column: Column, factor: float) -> Springs:
@@ -68,60 +73,98 @@ def thesis_springs(column: Column, factor: float) -> Springs:
 def beam_springs(
     column: Column, shear_stiffness: float, sliding: bool = False, uniform: bool = False
 ) -> Springs:
-    """Those of the elastic column of the shear stiffness GA_v (N).
+    """Those of the elastic column of the shear stiffness GA_v (N), or of each of a stack.
 
     `sliding`: its shear strain is not in the hinges but in the bars; `uniform`: under a line load
     instead of a force at the hit point. A load so near to buckling that it turns the sense of an
     end moment has no such springs; it is then left out of them. So is a line load that turns it.
     """
-    for line in (uniform, False)[not uniform :]:
-        for load in (column.axial_load, 0.0):
-            springs = _secants(column, load, shear_stiffness, sliding, line)
-            if min(springs) > 0.0:
-                return springs
-    return springs
-
-
-def _secants(
-    column: Column, load: float, shear_stiffness: float, sliding: bool, line: bool
-) -> Springs:
-    """Rotations of the bars over the moments of the column under an axial `load` (N).
-
-    And under a force at the hit point or a `line` load, v = 1 there either way.
-    """
     bending = column.steel.elastic_modulus * column.properties.second_moment
-    bars = column.bars.values()
-    lengths = [length for length, _ in bars]
-    A = np.zeros((4, 4))  # M_base, M_hit, M_head, slope at the hit point; over the rotations
-    turned = np.zeros((4, 2))  # by v = 1, and by a line load of 1 N/m
-    for bar, (length, clamped) in enumerate(bars):
-        columns, rows = [2 * bar, 1], (2 * bar, 2 * bar + 1)  # moments of the bar, its rotations
+    (below, base), (above, head) = column.bars.values()
+    numbers = np.broadcast_arrays(below, above, bending, column.axial_load, shear_stiffness)
+    springs = np.empty((4, numbers[0].size))
+    beams = np.array([each.ravel() for each in numbers], dtype=float)
+    springs_of(beams, (base, head), sliding, uniform, springs)
+    return Springs(*springs.reshape(4, *numbers[0].shape))
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def springs_of(
+    beams: Array, clamped: tuple[bool, bool], sliding: bool, uniform: bool, springs: Array
+) -> None:
+    """Write the `springs` (4, n) of columns, see `beam_springs`.
+
+    Arguments: `beams` (5, n), lengths of both bars (m), bending stiffness (N m2), axial load and
+    shear stiffness (N); whether base and head are `clamped`.
+    """
+    A, loads = np.empty((4, 4)), np.empty((2, 4))
+    for i in range(beams.shape[1]):
+        lengths, bending = (beams[0, i], beams[1, i]), beams[2, i]
+        for line in (uniform, False):
+            for load in (beams[3, i], 0.0):
+                numbers = (bending, load, beams[4, i])
+                _secants(lengths, clamped, numbers, sliding, line, A, loads, springs[:, i])
+                if springs[:, i].min() > 0.0:
+                    break
+            if springs[:, i].min() > 0.0:
+                break
+
+
+@njit(cache=True, error_model="numpy")
+def _secants(
+    lengths: tuple[float, float],
+    clamped: tuple[bool, bool],
+    numbers: tuple[float, float, float],
+    sliding: bool,
+    line: bool,
+    A: Array,
+    moments: Array,
+    springs: Array,
+) -> None:
+    """Rotations of the bars over the moments of a column, into its `springs` (4,).
+
+    Arguments: `numbers`, bending stiffness, axial load, shear stiffness; whether there is a force
+    at the hit point or a `line` load, v = 1 there either way; scratch `A` (4, 4), `moments` (2, 4).
+    """
+    bending, load, shear_stiffness = numbers
+    A[:], moments[:] = 0.0, 0.0  # M_base, M_hit, M_head, slope at the hit point; over the rotations
+    by_v, by_line = moments[0], moments[1]  # turned by v = 1, and by a line load of 1 N/m
+    for bar in range(2):
+        length = lengths[bar]
+        end, turned, hit = 2 * bar, 2 * bar, 2 * bar + 1  # moment of the bar, its rotations
         one, two = bar_functions(load * length**2 / bending)
         shear = 1.0 / (shear_stiffness * length)
         one, two = one * length / bending + shear, shear - two * length / bending
-        A[rows[0], columns] = one, two
-        A[rows[1], columns] = two, one
-        A[rows[1], 3] = 1.0 if bar == 0 else -1.0
-        turned[rows, 0] = 1.0 / length
+        A[turned, end], A[turned, 1] = one, two
+        A[hit, end], A[hit, 1] = two, one
+        A[hit, 3] = 1.0 if bar == 0 else -1.0
+        by_v[turned] = by_v[hit] = 1.0 / length
         sagged = line_function(load * length**2 / bending) * length**3 / bending
-        turned[rows, 1] = sagged, -sagged
-        if not clamped:
-            A[rows[0]] = 0.0
-            A[rows[0], columns[0]] = 1.0
-            turned[rows[0]] = 0.0
-    by_v, by_line = np.linalg.solve(A, turned).T
+        by_line[turned], by_line[hit] = sagged, -sagged
+        if not clamped[bar]:
+            A[turned] = 0.0
+            A[turned, end] = 1.0
+            by_v[turned] = by_line[turned] = 0.0
+    solved = solve_dense(A.copy(), by_v) and (not line or solve_dense(A, by_line))
+    if not solved:
+        springs[:] = -1.0
+        return
+    first, last = 1.0 / lengths[0], 1.0 / lengths[1]
+    whole = first + last
     if line:  # its half at the hit point does the work of the moments and of the axial load
-        rates = np.array([1.0 / lengths[0], sum(1.0 / x for x in lengths), 1.0 / lengths[1]])
-        needed = rates @ by_v[:3] - rates[1] * load
-        by_v = by_v + needed / (0.5 * column.length - rates @ by_line[:3]) * by_line
-    base, hit, head, _ = (float(m) for m in by_v)
-    chords = [1.0 / length for length in lengths]
-    if sliding:
-        for bar, end in enumerate((base, head)):
-            chords[bar] -= (end + hit) / (shear_stiffness * lengths[bar])
-    ends = [
-        float("inf") if not clamped else chord / moment if moment != 0.0 else -1.0
-        for chord, moment, (_, clamped) in zip(chords, (base, head), bars, strict=True)
-    ]
-    middle = sum(chords) / hit / column.length
-    return Springs(ends[0], middle * lengths[0], middle * lengths[1], ends[1])
+        needed = first * by_v[0] + whole * by_v[1] + last * by_v[2] - whole * load
+        done = first * by_line[0] + whole * by_line[1] + last * by_line[2]
+        factor = needed / (0.5 * (lengths[0] + lengths[1]) - done)
+        for i in range(4):
+            by_v[i] += factor * by_line[i]
+    chords, hit_moment = 0.0, by_v[1]
+    for bar in range(2):
+        chord, moment, spring = 1.0 / lengths[bar], by_v[2 * bar], 3 * bar
+        if sliding:
+            chord -= (moment + hit_moment) / (shear_stiffness * lengths[bar])
+        chords += chord
+        springs[spring] = np.inf
+        if clamped[bar]:
+            springs[spring] = chord / moment if moment != 0.0 else -1.0
+    middle = chords / hit_moment / (lengths[0] + lengths[1])
+    springs[1], springs[2] = middle * lengths[0], middle * lengths[1]

@@ -7,7 +7,14 @@ energy that the collision leaves, W(v_max) = E.
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
+
+from workbench.arrays import Array, Indices
+from workbench.compiled import njit
+from workbench.errors import CollapseError
 from workbench.fields import Choice, Number, checked
+from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN, Answers
+from workbench.models.domain import buckles
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import (
     INTERACTIONS,
@@ -19,8 +26,12 @@ from workbench.models.resistance import (
     column_curve,
     columns,
 )
+from workbench.models.resistance.columns import rows_of, spread
+from workbench.models.resistance.kernels import displacement_at, residual, work_between
+from workbench.models.resistance.shapes import Rows, curve_of
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, ColumnScenario
+from workbench.scenarios.varied import take
 
 
 @dataclass(frozen=True)
@@ -62,6 +73,30 @@ class EnergyEstimate(OnCurve):
         """Findings of all models on a resistance curve."""
         return columns.curve_findings(scenario, self.resistance)
 
+    def stackable(self, scenario: ColumnScenario) -> bool:
+        """Whether it answers such impacts in stacks."""
+        return self.curve_stacks(scenario)
+
+    def answer_stack(self, scenario: ColumnImpact, count: int) -> Answers:
+        """Answers to a stack of `count` impacts, see `models.batch`."""
+        options = self.resistance, self.rotational_stiffness, self.interaction
+        rows, exhausted = rows_of(scenario.column, count, *options)
+        codes = np.where(exhausted | buckles(scenario), UNKNOWN, SURVIVES)
+        peak, left = np.full((2, count), np.nan)
+        energy = spread(energy_to_absorb(with_hit_mass(scenario, self.hit_mass)), count)
+        absorb(rows, energy, codes, peak, left)
+        limits = np.where(codes == SURVIVES, np.nan, peak)
+        values = {"peak_displacement": peak, "residual_displacement": left}
+        values["input_energy"] = spread(scenario.input_energy, count).copy()
+        for each in values.values():
+            each[codes != SURVIVES] = np.nan
+
+        def collapse(i: int) -> CollapseError:
+            column = take(scenario.column, i)
+            return columns.fallen(column, bool(codes[i] == LOST), float(limits[i]))
+
+        return Answers(codes, values, collapse)
+
     def _solve(self, scenario: ColumnImpact) -> Response:
         column = scenario.column
         spring, given = (self.rotational_stiffness, self.resistance), self.given(scenario)
@@ -81,12 +116,33 @@ class EnergyEstimate(OnCurve):
         return build_response(values, segments=columns.SEGMENTS, warnings=warnings)
 
 
+@njit(cache=True, error_model="numpy", nogil=True)
+def absorb(rows: Rows, energies: Array, codes: Indices, peaks: Array, left: Array) -> None:
+    """Displacements (m) at which columns have absorbed `energies` (J), and what is left of them.
+
+    Of one that collapses that of collapse. Arguments: `rows` of mechanisms; all others (n,).
+    """
+    for i in range(codes.size):
+        if codes[i] != SURVIVES:
+            continue
+        pieces, elastic_limit, lost, unloads = curve_of(rows, i)
+        peaks[i] = limit = min(rows.reach[i], lost)
+        if unloads:
+            codes[i] = UNKNOWN
+        elif energies[i] >= work_between(pieces, 0.0, limit):
+            codes[i] = LOST if lost <= rows.reach[i] else COLLAPSES
+        else:
+            peaks[i] = displacement_at(pieces, energies[i], lost)
+            left[i] = residual(pieces, elastic_limit, peaks[i])
+
+
 def energy_to_absorb(scenario: ColumnImpact) -> float:
     """Energy (J) that the column absorbs: all for restitution 1, else that of the joined masses.
 
     E = M_A^2 v_0^2 / (2 (M_A + M_B)) after an inelastic collision.
     """
-    if scenario.striker.restitution == 1.0:
-        return scenario.input_energy
     striker, struck = scenario.striker.mass, scenario.column.properties.impact_mass
-    return scenario.input_energy * striker / (striker + struck)
+    whole = scenario.striker.restitution == 1.0
+    share: Any = np.where(whole, 1.0, striker / (striker + struck))
+    energy: float = scenario.input_energy * share
+    return energy

@@ -14,7 +14,6 @@ column gives never less than a piece as long as its section is high. Derivation,
 to bias and scatter, and where the argument is weak: docs/theory/hit-mass.md.
 """
 
-from dataclasses import replace
 from functools import lru_cache
 from math import pi, sqrt
 
@@ -31,8 +30,8 @@ def with_hit_mass(scenario: ColumnImpact, rule: str) -> ColumnImpact:
     """The impact with the impact mass (kg) of a rule; one that is given counts as it is."""
     if rule == THESIS or scenario.column.impact_mass is not None:
         return scenario
-    column = replace(scenario.column, impact_mass=wave_mass(scenario))
-    return replace(scenario, column=column)
+    column = scenario.column.changed(impact_mass=wave_mass(scenario))
+    return scenario.changed(column=column)
 
 
 def wave_mass(scenario: ColumnImpact) -> float:

@@ -4,7 +4,7 @@ Level A is for every model that knows no rate. The factor is that of the hinges,
 webs, of the struck member while striker and hit mass move at the velocity that they share after the
 hit, averaged by work over the bars and over the way in which the striker is slowed down. All
 strengths grow alike; stiffness, mass and axial load
-stay. Level B (option `rate_level`): bars that flow point by point (`hinges.viscoplastic`) stand in
+stay. Level B (option `rate_level`): bars that flow point by point (`hinges.rate`) stand in
 place of hinges on a yield surface. See docs/theory/strain-rate.md.
 """
 
@@ -14,8 +14,7 @@ from typing import Any
 from workbench.frames.column_estimate import column_like
 from workbench.frames.superelements import joint_surface
 from workbench.hinges import YieldSurface, has_shear_surface
-from workbench.hinges.rate import hinge_overstress, overstress_shape, panel_overstress
-from workbench.hinges.viscoplastic import bar_law
+from workbench.hinges.rate import bar_law, hinge_overstress, overstress_shape, panel_overstress
 from workbench.materials import CowperSymonds, Steel
 from workbench.models.domain import mechanism_demand
 from workbench.responses import Finding, finding

@@ -7,6 +7,7 @@ from workbench.responses.build import collapse_of as collapse_of
 from workbench.responses.build import collapsed_response as collapsed_response
 from workbench.responses.build import energy_error as energy_error
 from workbench.responses.build import failed_response as failed_response
+from workbench.responses.build import failure_message as failure_message
 from workbench.responses.build import findings_of as findings_of
 from workbench.responses.build import is_synthetic as is_synthetic
 from workbench.responses.build import outcome_of as outcome_of

@@ -132,9 +132,14 @@ def failed_response(outcome: Outcome, message: str, findings: Sequence[Finding] 
     """
     response = xr.Dataset()
     response.attrs["outcome"] = outcome.value
-    response.attrs["message"] = f"{message}. {outcome.advice}" if message else outcome.advice
+    response.attrs["message"] = failure_message(outcome, message)
     set_findings(response, findings)
     return response
+
+
+def failure_message(outcome: Outcome, message: str) -> str:
+    """How an attempt has ended, and what to do about it."""
+    return f"{message}. {outcome.advice}" if message else outcome.advice
 
 
 def refused_response(refusals: Sequence[Finding]) -> Response:

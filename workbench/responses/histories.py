@@ -16,8 +16,6 @@ from workbench.responses.outcome import Finding, finding
 NO_RESIDUAL = "no-residual"  # that it ends before the slow vibration has a mean
 SETTLED = 1.5  # periods that a residual displacement takes
 NO_PEAK = "no-peak"  # subject of the finding that the record ends before the peak
-_EQUAL = 0.995  # of the largest displacement, which is its peak too
-_SAMPLED = 0.95  # of it, the least that samples may show of such a peak: a tenth of a cycle aside
 _ROUNDED = 1e-4  # of the energy stored before an impact
 # extremes over all parts of a structure: of which variable, and with which signs it counts
 EXTREMES = {
@@ -115,31 +113,12 @@ def peak_of(time: Array, displacement: Array) -> dict[str, float]:
     """
     if still_grows(displacement):
         return {}
-    top = int(displacement.argmax())
-    if top == 0:
-        return {"peak_displacement": float(displacement[0]), "time_of_peak": float(time[0])}
-    largest, at = _apex(time, displacement, top)
-    inner = displacement[1:top]
-    high = (inner > displacement[: top - 1]) & (inner >= displacement[2 : top + 1])
-    for peak in np.flatnonzero(high & (inner >= _SAMPLED * largest)) + 1:
-        value, earlier = _apex(time, displacement, int(peak))
-        if value >= _EQUAL * largest:
-            at = earlier
-            break
-    return {"peak_displacement": largest, "time_of_peak": at}
+    from workbench.responses.kernels import first_peak  # readers of responses need no compiler
 
-
-def _apex(time: Array, displacement: Array, top: int) -> tuple[float, float]:
-    """Value and time of the parabola's apex by the highest of three points."""
-    before, after = float(time[top - 1] - time[top]), float(time[top + 1] - time[top])
-    if not before < 0.0 < after:
+    largest, at = first_peak(time, displacement)
+    if isnan(at):
         raise WorkbenchError("response time does not increase")
-    fall_before = float(displacement[top - 1] - displacement[top]) / before
-    fall_after = float(displacement[top + 1] - displacement[top]) / after
-    curvature = (fall_after - fall_before) / (after - before)
-    slope = fall_after - curvature * after
-    shift = 0.0 if curvature >= 0.0 else min(max(-0.5 * slope / curvature, before), after)
-    return float(displacement[top]) + (slope + curvature * shift) * shift, float(time[top]) + shift
+    return {"peak_displacement": float(largest), "time_of_peak": float(at)}
 
 
 def residual_of(time: Array, displacement: Array) -> float | None:

@@ -4,6 +4,42 @@ import numpy as np
 
 from workbench.compiled import njit
 
+_EQUAL = 0.995  # of the largest displacement, which is its peak too
+_SAMPLED = 0.95  # of it, the least that samples may show of such a peak: a tenth of a cycle aside
+
+
+@njit(cache=True, error_model="numpy")
+def apex(time, displacement, top):
+    """Value and time of the parabola's apex by the highest of three points; NaN: times fall."""
+    before, after = time[top - 1] - time[top], time[top + 1] - time[top]
+    if not before < 0.0 < after:
+        return np.nan, np.nan
+    fall_before = (displacement[top - 1] - displacement[top]) / before
+    fall_after = (displacement[top + 1] - displacement[top]) / after
+    curvature = (fall_after - fall_before) / (after - before)
+    slope = fall_after - curvature * after
+    shift = 0.0 if curvature >= 0.0 else min(max(-0.5 * slope / curvature, before), after)
+    return displacement[top] + (slope + curvature * shift) * shift, time[top] + shift
+
+
+@njit(cache=True, error_model="numpy")
+def first_peak(time, displacement):
+    """Peak of a history, and the time of the first one that is as high; see `peak_of`.
+
+    The largest displacement is not the last one. The time is NaN where times do not increase.
+    """
+    top = np.argmax(displacement)
+    if top == 0:
+        return displacement[0], time[0]
+    largest, at = apex(time, displacement, top)
+    for i in range(1, top):
+        before, here, after = displacement[i - 1], displacement[i], displacement[i + 1]
+        if here > before and here >= after and here >= _SAMPLED * largest:
+            value, earlier = apex(time, displacement, i)
+            if not value < _EQUAL * largest:
+                return largest, earlier
+    return largest, at
+
 
 @njit(cache=True, error_model="numpy")
 def mean_of_cycles(time, displacement):

@@ -75,14 +75,24 @@ class Column(Declared, table="column"):
 
     def check(self) -> None:
         """Refuse loads above the squash load and columns that are no beams."""
-        squash = self.properties.squash_load
-        if abs(self.axial_load) >= squash:
+        if self.is_squashed:
+            squash = self.properties.squash_load
             text = f"must stay below the squash load {squash:.6g} N in tension and compression"
             raise self.refusal("axial_load", text, "reduce the load or take a stronger section")
-        slenderness = self.length / self.section.height
-        if slenderness < 2.0:
+        if self.is_stocky:
+            slenderness = self.length / self.section.height
             text = f"the column is {slenderness:.2g} section heights long; must be at least 2"
             raise self.refusal("length_below", text, "a stockier member is not a beam")
+
+    @property
+    def is_squashed(self) -> bool:
+        """Whether the axial load is above the squash load."""
+        return abs(self.axial_load) >= self.properties.squash_load
+
+    @property
+    def is_stocky(self) -> bool:
+        """Whether the column is too short beside its section to be a beam."""
+        return self.length / self.section.height < 2.0
 
     @property
     def length(self) -> float:
@@ -107,7 +117,7 @@ class Column(Declared, table="column"):
 
     def stronger(self, factor: float) -> Column:
         """Return the column with another yield stress; strengths that are given grow alike."""
-        return replace(self, steel=self.steel.stronger(factor), **stronger(self, factor))
+        return self.changed(steel=self.steel.stronger(factor), **stronger(self, factor))
 
     def effective_length_factor(self) -> float:
         """Euler effective-length factor of the whole column: 0.5, 0.7 or 1."""
@@ -181,11 +191,14 @@ class Impact:
     @property
     def input_energy(self) -> float:
         """Kinetic energy of the striker before the impact, in J."""
-        return float(0.5 * self.striker.mass * self.striker.velocity**2)
+        energy: float = 0.5 * self.striker.mass * self.striker.velocity**2
+        return energy
 
     def at_velocity(self, velocity: float) -> Self:
         """Return the impact at another velocity (m/s)."""
-        return replace(self, striker=replace(self.striker, velocity=velocity))  # type: ignore[type-var]
+        striker = self.striker.changed(velocity=velocity)
+        changed: Self = self.changed(striker=striker)  # type: ignore[attr-defined]
+        return changed
 
 
 @dataclass(frozen=True)

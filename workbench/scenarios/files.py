@@ -62,25 +62,39 @@ def apply_override(tables: dict[str, Any], override: str) -> None:
     ``member.A0-A1.section=HEB 200``. Raises `InputError`.
     """
     path, equals, text = override.partition("=")
-    keys = [key.strip() for key in path.split(".")]
-    if not equals or not all(keys):
-        raise InputError("--set", override, "must look like column.axial_load=2e5")
+    keys = place_of(tables, path if equals else "", override)
     target: Any = tables
     for key in keys[:-1]:
+        target = target[key]
+    target[keys[-1]] = parse_value(text.strip())
+
+
+def place_of(tables: dict[str, Any], path: str, override: str) -> tuple[str | int, ...]:
+    """Keys, and numbers of entries, that lead to what a path names; tables on the way are made.
+
+    Raises `InputError` with the whole `override`.
+    """
+    keys = [key.strip() for key in path.split(".")]
+    if not all(keys):
+        raise InputError("--set", override, "must look like column.axial_load=2e5")
+    target: Any = tables
+    places: list[str | int] = []
+    for key in keys[:-1]:
         listed = isinstance(target, list)
-        target = _entry(target, key, override) if listed else target.setdefault(key, {})
+        places.append(_entry(target, key, override) if listed else key)
+        target = target[places[-1]] if listed else target.setdefault(key, {})
         if not isinstance(target, (dict, list)):
             raise InputError("--set", override, f"{key} is a value, not a table")
     if isinstance(target, list):
         raise InputError("--set", override, f"{path.strip()} is an entry, not one of its keys")
-    target[keys[-1]] = parse_value(text.strip())
+    return (*places, keys[-1])
 
 
-def _entry(entries: list[Any], key: str, override: str) -> Any:
-    """Return the entry that a key of an override names."""
-    tables = [entry for entry in entries if isinstance(entry, dict)]
-    named = [entry for number, entry in enumerate(tables) if label_of(entry, number) == key]
-    named = named or [entry for number, entry in enumerate(tables) if str(number) == key]
+def _entry(entries: list[Any], key: str, override: str) -> int:
+    """Return the number of the entry that a key of an override names."""
+    tables = {n: entry for n, entry in enumerate(entries) if isinstance(entry, dict)}
+    named = [number for number, entry in tables.items() if label_of(entry, number) == key]
+    named = named or [number for number in tables if str(number) == key]
     if len(named) == 1:
         return named[0]
     how = "several entries are" if named else "no entry is"

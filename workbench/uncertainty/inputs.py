@@ -22,10 +22,10 @@ from workbench.datafiles import open_input
 from workbench.errors import InputError
 from workbench.scenarios import Scenario, scenario_from
 from workbench.scenarios.files import LARGEST_FILE, apply_override
+from workbench.scenarios.varied import Path_, Varied, put
 from workbench.uncertainty.distributions import Distribution, distribution_of, is_distribution
 
 CORRELATION = "correlation"
-Path_ = tuple[str | int, ...]
 
 
 @dataclass(frozen=True)
@@ -69,16 +69,16 @@ class UncertainScenario:
 
     def scenarios(self, scores: Array) -> Iterator[Scenario | InputError]:
         """The scenario of every sample, or why its values are none."""
-        values = self.values(scores)
-        for number in range(len(scores)):
-            tables = deepcopy(self.tables)
-            for path, column in values.items():
-                value = column[number]
-                _put(tables, path, value if isinstance(value, str) else float(value))
+        varied = self.varied(scores)
+        for row in range(len(varied)):
             try:
-                yield scenario_from(tables)
+                yield varied[row]
             except InputError as error:
                 yield error
+
+    def varied(self, scores: Array) -> Varied:
+        """The scenarios of all samples, each built when it is asked for."""
+        return Varied(self.tables, self.values(scores))
 
 
 def sobol_scores(dimension: int, count: int, seed: tuple[int, ...], first: int = 0) -> Array:
@@ -129,7 +129,7 @@ def uncertain_from(tables: dict[str, Any]) -> UncertainScenario:
     }
     plain = deepcopy(tables)
     for path, distribution in inputs.items():
-        _put(plain, path, distribution.middle)
+        put(plain, path, distribution.middle)
     scenario_from(plain)  # refuses what is wrong before any work
     names = [".".join(map(str, path)) for path in inputs]
     return UncertainScenario(plain, inputs, _factor(names, pairs), text)
@@ -144,12 +144,6 @@ def _distributions(value: Any, path: Path_) -> Iterator[tuple[Path_, Mapping[str
     elif isinstance(value, list):
         for number, each in enumerate(value):
             yield from _distributions(each, (*path, number))
-
-
-def _put(tables: Any, path: Path_, value: Any) -> None:
-    for key in path[:-1]:
-        tables = tables[key]
-    tables[path[-1]] = value
 
 
 def _factor(names: list[str], pairs: Any) -> Array:

@@ -1,4 +1,4 @@
-"""What a fragility curve is asked for, and the runs of models that it rests on, by sample."""
+"""Runs of models by sample: tables of answers, and those that a fragility curve rests on."""
 
 import json
 from collections.abc import Callable, Sequence
@@ -6,16 +6,22 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from math import exp, isfinite, log, nan
 from multiprocessing import get_context
+from pathlib import Path
 from typing import Any, NamedTuple
 
+import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from workbench.arrays import Array
 from workbench.errors import InputError
 from workbench.evidence.error_model import PEAK
-from workbench.models.base import on_one_mesh
-from workbench.responses import Outcome, outcome_of
+from workbench.models.base import Model, on_one_mesh
+from workbench.models.batch import FAILURE, OUTCOME, can_stack, simulate_many
+from workbench.responses import SCALARS, Outcome, outcome_of
 from workbench.responses.uncertainty import WIDTHS
+from workbench.scenarios import Scenario
+from workbench.scenarios.varied import Varied
+from workbench.study.store import read_netcdf, to_netcdf_bytes, write_atomically
 from workbench.uncertainty.critical_velocity import (
     BEYOND,
     COARSE,
@@ -31,6 +37,7 @@ from workbench.uncertainty.critical_velocity import (
 from workbench.uncertainty.inputs import UncertainScenario
 
 MESH_LEVELS = 6  # of the runs on finer meshes
+CHUNK, STACK, PARTS = 256, 65_536, 16  # scenarios of a part; of one answered in stacks; parts
 
 
 class Target(NamedTuple):
@@ -145,3 +152,56 @@ class Processes:
 
 def _one_thread() -> None:
     threadpool_limits(1)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A model that answers parts with so many threads.
+
+    Tables are kept in a folder as soon as they are made, and taken from there.
+    """
+
+    model: Any
+    threads: int
+    folder: Path | None
+
+    def answer(self, task: tuple[int, Varied]) -> pd.DataFrame:
+        first, varied = task
+        if self.folder is None:
+            return simulate_many(self.model, varied, self.threads)
+        file = self.folder / f"{first}-{len(varied)}.nc"
+        if not file.is_file():
+            table = simulate_many(self.model, varied, self.threads)
+            write_atomically(file, to_netcdf_bytes(table.rename_axis("sample").to_xarray()))
+        return read_netcdf(file).to_dataframe()
+
+
+def answers_of(
+    model: Model, varied: Varied, like: Scenario, jobs: int = 1, folder: Path | None = None
+) -> pd.DataFrame:
+    """Answers of a model by row, see `simulate_many`, in so many threads or else processes.
+
+    `like`, one of the scenarios. A `folder` keeps what is finished: asked again, an interrupted run
+    goes on from there.
+    """
+    stacked = can_stack(model, like)
+    size = min(max(len(varied) // PARTS, CHUNK), STACK) if stacked else CHUNK
+    parts = [(k, varied[k : k + size]) for k in range(0, len(varied), size)]
+    with Processes(1 if stacked or len(parts) == 1 else jobs) as run:
+        tables = run(_Part(model, jobs if stacked else 1, folder).answer, parts)
+    whole: pd.DataFrame = pd.concat(tables, ignore_index=True)
+    return whole[[*(name for name in SCALARS if name in whole), OUTCOME, FAILURE]]
+
+
+def sample_answers(
+    model: Any,
+    uncertain: UncertainScenario,
+    scores: Array,
+    jobs: int = 1,
+    folder: Path | None = None,
+) -> pd.DataFrame:
+    """Answers of a model at independent normal scores (samples, inputs), with the inputs first."""
+    varied = uncertain.varied(scores)
+    answers = answers_of(model, varied, uncertain.base, jobs, folder)
+    values = {".".join(map(str, path)): column for path, column in varied.by_key.items()}
+    return pd.concat([pd.DataFrame(values).infer_objects(), answers], axis=1)

@@ -10,7 +10,7 @@ from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.members import shear_stiffness
 from workbench.hinges import ShearSurface, YieldSurface, has_shear_surface
 from workbench.hinges.interaction import SHEAR_DEPTHS
-from workbench.hinges.viscoplastic import bar_law
+from workbench.hinges.rate import bar_law
 from workbench.materials import Steel
 from workbench.models.domain import panel_findings, shear_findings, stub_findings
 from workbench.models.elastic_springs import Springs, beam_springs

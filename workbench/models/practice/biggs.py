@@ -31,7 +31,7 @@ from workbench.models.resistance.curve import straight_pieces
 from workbench.models.resistance.given import digest, given_curve, is_given
 from workbench.models.resistance.kernels import PIECE
 from workbench.models.single_dof import SingleDof, march
-from workbench.models.single_dof.pulse import Pushed, pulse_response
+from workbench.models.single_dof.pulse import Pushed, no_striker, pulse_response, under_pulse
 from workbench.responses import Finding, Response, finding, findings_of, set_findings
 from workbench.scenarios import Column, ColumnImpact, ColumnScenario, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
@@ -244,9 +244,9 @@ def slips(column: Column, law: str, time: Array, reactions: Array) -> Array:
     for end, reaction in zip(("base", "head"), reactions, strict=True):
         force = np.interp(fine, time, reaction)
         stages, means = np.array([(0.0, mass, 1.0)]), 0.5 * (force[1:] + force[:-1])
-        drive = march.no_striker(curve.elastic_limit, limit, mass)
+        drive = no_striker(curve.elastic_limit, limit, mass)
         pace = Pace.equal(fine[-1], fine[1], len(means))
-        run = follow(march.pulse, (curve.pieces, stages, means, 0.0), pace, drive, march.RECORD)
+        run = follow(under_pulse, (curve.pieces, stages, means, 0.0), pace, drive, march.RECORD)
         if run.collapsed:
             fallen = Collapse(Fall.SHEAR, (end,), limit, float(run.records["time"][-1]))
             raise CollapseError(fallen, f"the {end} slides beyond its resistance to direct shear")

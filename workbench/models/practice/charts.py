@@ -23,6 +23,7 @@ from workbench.impact.pace import Pace
 from workbench.impact.records import follow
 from workbench.models.resistance.kernels import PIECE, sum_up
 from workbench.models.single_dof import march
+from workbench.models.single_dof.pulse import no_striker, under_pulse
 from workbench.scenarios import Pulse
 
 _PERIOD = 1e-3  # s; any would do
@@ -59,8 +60,8 @@ def ductility(shape: str, length: float, strength: float) -> float:
     pieces["start"][1], pieces["c"][0, 1], pieces["c"][1, 0] = limit, _STIFFNESS, 1.0
     sum_up(pieces)
     tables = pieces, np.array([[0.0, 1.0, 1.0]]), pulse.means(time), 0.0
-    pace, drive = Pace.equal(duration, time[1], count), march.no_striker(limit, _FAR, 1.0)
-    moved = follow(march.pulse, tables, pace, drive, march.RECORD).records
+    pace, drive = Pace.equal(duration, time[1], count), no_striker(limit, _FAR, 1.0)
+    moved = follow(under_pulse, tables, pace, drive, march.RECORD).records
     top = float(moved["displacement"][:-1].max())
     if moved["displacement"][-1] > top * (1.0 + 2e-3):  # not only back where it has been
         raise SolverError("the peak", inf, "a record as long as the momentum lasts")

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from workbench.arrays import Array
+from workbench.arrays import Array, Flags
 from workbench.errors import Collapse, CollapseError, OutOfDomainError, SolverError
 from workbench.errors import Mechanism as Fall
 from workbench.frames.collapse import COLLAPSE_SIDEWAYS
@@ -24,11 +24,12 @@ from workbench.models.resistance.curve import (
     SECTION,
     Mechanism,
     ResistanceCurve,
+    any_mechanism,
     mechanism_of,
     straight_pieces,
 )
 from workbench.models.resistance.given import GIVEN, NOTHING, given_curve, is_given
-from workbench.models.resistance.shapes import RESISTANCES, resistance_curve
+from workbench.models.resistance.shapes import RESISTANCES, Rows, resistance_curve
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnPushover, ColumnScenario, MemberPulse
 
@@ -126,7 +127,8 @@ _WORK = 0.10  # share by which a simplification may leave the analytic curve wit
 
 def reach(column: Column) -> float:
     """Largest displacement (m) at which the mechanism means anything."""
-    return COLLAPSE_SIDEWAYS * min(column.length_below, column.length_above)
+    shorter: float = np.minimum(column.length_below, column.length_above)
+    return COLLAPSE_SIDEWAYS * shorter
 
 
 def limit_of(curve: ResistanceCurve, column: Column) -> float:
@@ -147,10 +149,17 @@ def collapsed(
             f"the resistance curve that is given ends at {curve.end:.4g} m, the column goes on: "
             "give points beyond"
         )
-    if curve.lost_at <= reach(column):
-        collapse = Collapse(Fall.BUCKLING, SEGMENTS, displacement, time)
-        return CollapseError(collapse, "the column has lost its resistance to the axial load")
-    return out_of_reach(column, displacement, time)
+    return fallen(column, curve.lost_at <= reach(column), displacement, time)
+
+
+def fallen(
+    column: Column, lost: bool, displacement: float, time: float | None = None
+) -> CollapseError:
+    """How a column collapses that has `lost` its resistance, or come to its reach; as above."""
+    if not lost:
+        return out_of_reach(column, displacement, time)
+    collapse = Collapse(Fall.BUCKLING, SEGMENTS, displacement, time)
+    return CollapseError(collapse, "the column has lost its resistance to the axial load")
 
 
 def out_of_reach(column: Column, displacement: float, time: float | None = None) -> CollapseError:
@@ -227,3 +236,24 @@ def _reached_findings(
             work: dict[str, Any] = {"simplified": simplified / 1e3, "exact": exact / 1e3}
             findings.append(finding(name, displacement=displacement, shape=curve.shape, **work))
     return findings
+
+
+def rows_of(
+    column: Column, count: int, shape: str, rotational_stiffness: float | None, interaction: str
+) -> tuple[Rows, Flags]:
+    """Mechanisms of a stack of `count` columns; whether the axial load exhausts their stiffness."""
+    mechanism = any_mechanism(column, rotational_stiffness, interaction)
+    rates, moments, flexibilities, *numbers = mechanism.kernel
+    by_row = (
+        np.ascontiguousarray(np.broadcast_to(each.T, (count, len(each))))
+        for each in (rates, moments, flexibilities)
+    )
+    long = (spread(each, count) for each in (*numbers, reach(column)))
+    whole: Any = (*by_row, *long, RESISTANCES.index(shape))
+    rows = Rows(*whole)
+    return rows, np.broadcast_to(mechanism.carries <= column.axial_load, count)
+
+
+def spread(value: Any, count: int) -> Array:
+    """A number, or one per row, as an array of `count`."""
+    return np.ascontiguousarray(np.broadcast_to(np.asarray(value, float), count))

@@ -51,6 +51,13 @@ class Mechanism(NamedTuple):
         return np.asarray(self.plastic_moment * np.minimum(1.0, share))
 
     @property
+    def carries(self) -> float:
+        """Axial load (N) that exhausts the lateral stiffness of the bars on their springs."""
+        stiffness = self.rotation_rates * self.moments_per_displacement
+        load: float = stiffness.sum(axis=0) / self.slope_sum
+        return load
+
+    @property
     def slope_sum(self) -> float:
         """Sum kappa of the inverse lengths, in 1/m."""
         return 1.0 / self.lengths[0] + 1.0 / self.lengths[1]
@@ -83,6 +90,23 @@ def mechanism_of(
     without one the head is free to shorten.
     Raises `OutOfDomainError` if the axial load exhausts the lateral stiffness of the mechanism.
     """
+    mechanism = any_mechanism(column, rotational_stiffness, interaction, uniform)
+    if mechanism.carries <= column.axial_load:
+        raise OutOfDomainError(
+            f"the axial load {column.axial_load / 1e3:.4g} kN exhausts the lateral stiffness of "
+            f"the two-bar mechanism, which carries {mechanism.carries / 1e3:.4g} kN: "
+            "reduce the load"
+        )
+    return mechanism
+
+
+def any_mechanism(
+    column: Column,
+    rotational_stiffness: float | None = None,
+    interaction: str = SECTION,
+    uniform: bool = False,
+) -> Mechanism:
+    """As `mechanism_of`, also where it `carries` no such load; of a stack with arrays."""
     properties = column.properties
     if rotational_stiffness is None:
         stiffness = shear_stiffness(column.strength_section, column.steel)
@@ -96,8 +120,8 @@ def mechanism_of(
         ("hit", below + above, springs.below + springs.above),
         ("head", above, springs.head),
     )
-    groups, rates, flexibilities = zip(*(g for g in all_groups if g[2] < inf), strict=True)
-    mechanism = Mechanism(
+    groups, rates, flexibilities = zip(*(g for g in all_groups if np.all(g[2] < inf)), strict=True)
+    return Mechanism(
         groups,
         np.array(rates),
         np.array(flexibilities),
@@ -108,14 +132,6 @@ def mechanism_of(
         axial_flexibility(column),
         corner * properties.squash_load,
     )
-    elastic = float(rates @ mechanism.moments_per_displacement)
-    if elastic <= mechanism.slope_sum * column.axial_load:
-        raise OutOfDomainError(
-            f"the axial load {column.axial_load / 1e3:.4g} kN exhausts the lateral stiffness of "
-            f"the two-bar mechanism, which carries {elastic / mechanism.slope_sum / 1e3:.4g} kN: "
-            "reduce the load"
-        )
-    return mechanism
 
 
 def axial_flexibility(column: Column) -> float:
@@ -123,8 +139,9 @@ def axial_flexibility(column: Column) -> float:
     flexibility = column.length / (column.steel.elastic_modulus * column.properties.area)
     if column.head == "fixed":
         return flexibility
-    spring = column.restraint_stiffness
-    return flexibility + 1.0 / spring if spring > 0.0 else inf
+    with np.errstate(divide="ignore"):
+        restraint: float = np.divide(1.0, column.restraint_stiffness)
+    return flexibility + restraint
 
 
 Pieces: TypeAlias = Any  # array of kernels.PIECE
@@ -244,10 +261,7 @@ class ResistanceCurve:
 
     def residual(self, displacement: float) -> float:
         """Permanent displacement (m) after unloading from `displacement` (m)."""
-        if displacement <= self.elastic_limit:
-            return 0.0
-        stiffness = self.unloading_stiffness(displacement)
-        return displacement - float(self.force(displacement)) / stiffness
+        return float(kernels.residual(self.pieces, self.elastic_limit, displacement))
 
     def displacement_at(self, energy: float) -> float:
         """Displacement (m) at which the work reaches `energy` (J).

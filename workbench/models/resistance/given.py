@@ -16,12 +16,14 @@ from workbench.datafiles import open_input
 from workbench.errors import InputError
 from workbench.fields import Choice, Number
 from workbench.models.base import Answering
+from workbench.models.hit_mass import THESIS
 from workbench.models.resistance.curve import (
     SECTION,
     Mechanism,
     ResistanceCurve,
     straight_pieces,
 )
+from workbench.models.resistance.shapes import RESISTANCES
 from workbench.models.strain_rate import rate_factor
 from workbench.point_tables import read_points
 from workbench.scenarios import ColumnImpact, ColumnScenario
@@ -61,12 +63,20 @@ class OnCurve(Answering):
     resistance: str
     rotational_stiffness: float | None
     interaction: str
+    hit_mass: str
     rate_factor: float | None
 
     @property
     def material(self) -> tuple[str, ...]:
         """What of the steel a curve that is given stands for: no yield stress can be raised."""
         return ("rate", "hardening") if is_given(self.resistance) else ()
+
+    def curve_stacks(self, scenario: ColumnScenario) -> bool:
+        """Whether curves of a stack of such impacts are made in compiled code."""
+        if not isinstance(scenario, ColumnImpact) or self.resistance not in RESISTANCES:
+            return False
+        plain = scenario.column.steel.rate is None and self.hit_mass == THESIS
+        return plain and not scenario.striker.crushes
 
     def given(self, scenario: ColumnScenario | None = None) -> tuple[str, float]:
         """Digest of the points that are given and the factor on their strength; or `NOTHING`.

@@ -135,6 +135,14 @@ def unloading_stiffness(pieces, v):
 
 
 @njit(cache=True, error_model="numpy")
+def residual(pieces, elastic_limit, v):
+    """Displacement (m) that is left after unloading from v."""
+    if v <= elastic_limit:
+        return 0.0
+    return v - on_curve(pieces, v)[0] / unloading_stiffness(pieces, v)
+
+
+@njit(cache=True, error_model="numpy")
 def lost_at(pieces):
     """First displacement > 0 at which the force falls to zero (inf: it never does)."""
     n = pieces.size

@@ -12,13 +12,17 @@ faster than chords. Heng 2017, section 5.2, shows the stages in figure 5.5 but n
 formula; see the theory page for the derivation.
 """
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
+from workbench.arrays import Array
 from workbench.compiled import njit
 from workbench.errors import OutOfDomainError
 from workbench.models.resistance import curve as events
 from workbench.models.resistance.curve import Groups, Mechanism, Pieces, ResistanceCurve
-from workbench.models.resistance.kernels import PIECE, falling_root
+from workbench.models.resistance.kernels import PIECE, falling_root, lost_at, sum_up
+from workbench.structures.kernels import copy
 
 RESISTANCES = ("analytic", "cubic", "linear")
 _MOST_PIECES = 40
@@ -214,27 +218,81 @@ def linear(m: Groups) -> Pieces:
     return pieces[: put(pieces, n, events.CATENARY, v_c, (kappa * Np * v_c, kappa * Np, 0.0))]
 
 
+@njit(cache=True, error_model="numpy")
+def of_shape(shape: int, m: Groups) -> tuple[Pieces, float, bool]:
+    """Pieces of a shape, by its place in RESISTANCES, and displacement of the first yielding.
+
+    And whether a hinge would unload, as of `analytic`.
+    """
+    if shape == 0:
+        pieces, unloads = analytic(m)
+        first = 0
+        while first + 1 < pieces.size and not pieces[first].plastic.any():
+            first += 1
+        return pieces, pieces[first].start, unloads
+    pieces = cubic(m) if shape == 1 else linear(m)
+    limit, kept = pieces[1].start, 0
+    # a single hinge group has no plateau; a piece takes the event of the first one where it is
+    for i in range(pieces.size):
+        if i > 0 and pieces[i].start == pieces[i - 1].start:
+            pieces[i].event = pieces[i - 1].event
+    for i in range(pieces.size):
+        if i + 1 == pieces.size or pieces[i + 1].start > pieces[i].start:
+            take_piece(pieces[i], pieces[kept])
+            kept += 1
+    return pieces[:kept], limit, False
+
+
+@njit(cache=True, error_model="numpy")
+def take_piece(source: Any, target: Any) -> None:
+    """Copy what the shapes write of a piece."""
+    copy(source.c, target.c)
+    copy(source.axial, target.axial)
+    target.start, target.event, target.group = source.start, source.event, source.group
+
+
+class Rows(NamedTuple):
+    """Mechanisms of n columns: (n, groups) rotation rates, stiffnesses, flexibilities; (n,) others.
+
+    As `Mechanism.kernel`, then the `reach` (m) of each and the number of the `shape`.
+    """
+
+    rates: Array
+    moments: Array
+    flexibilities: Array
+    slope_sum: Array
+    plastic_moment: Array
+    squash_load: Array
+    axial_force: Array
+    axial_flexibility: Array
+    corner: Array
+    reach: Array
+    shape: int
+
+
+@njit(cache=True, error_model="numpy")
+def curve_of(rows: Rows, i: int) -> tuple[Pieces, float, float, bool]:
+    """Curve of row i: pieces, displacements of first yielding and of loss, whether one unloads."""
+    m = (
+        *(rows.rates[i], rows.moments[i], rows.flexibilities[i], rows.slope_sum[i]),
+        *(rows.plastic_moment[i], rows.squash_load[i], rows.axial_force[i]),
+        *(rows.axial_flexibility[i], rows.corner[i]),
+    )
+    pieces, limit, unloads = of_shape(rows.shape, m)
+    sum_up(pieces)
+    return pieces, limit, lost_at(pieces), unloads
+
+
 def resistance_curve(mechanism: Mechanism, shape: str) -> ResistanceCurve:
     """The resistance curve of a mechanism.
 
     Arguments: `mechanism`; `shape`: analytic, cubic or linear. Raises `OutOfDomainError` if a
-    yielded hinge would unload on the way (analytic), KeyError for another shape.
+    yielded hinge would unload on the way (analytic), ValueError for another shape.
     """
-    if shape == "analytic":
-        pieces, unloads = analytic(mechanism.kernel)
-        if unloads:
-            raise OutOfDomainError(
-                "a yielded hinge would unload while the push goes on, which the analytic "
-                "resistance excludes: use the four-DOF model or a simplified resistance"
-            )
-        limit = pieces["start"][pieces["plastic"].any(axis=1)][0]
-    else:
-        pieces = {"cubic": cubic, "linear": linear}[shape](mechanism.kernel)
-        limit = pieces["start"][1]
-        # a single hinge group has no plateau; a piece takes the event of the first one where it is
-        starts = pieces["start"]
-        begins = pieces["event"][np.searchsorted(starts, starts)]
-        keep = np.append(np.diff(starts) > 0.0, True)
-        pieces, begins = pieces[keep], begins[keep]
-        pieces["event"] = begins
+    pieces, limit, unloads = of_shape(RESISTANCES.index(shape), mechanism.kernel)
+    if unloads:
+        raise OutOfDomainError(
+            "a yielded hinge would unload while the push goes on, which the analytic "
+            "resistance excludes: use the four-DOF model or a simplified resistance"
+        )
     return ResistanceCurve(shape, mechanism, pieces, float(limit))

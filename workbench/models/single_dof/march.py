@@ -1,14 +1,10 @@
 """One mass on its spring as the integrator of `workbench.impact` takes it.
 
-Three entries: `impact` with energy-conserving midpoint steps, as long as the error allows or equal;
-`explicit_impact` with Moreau's steps; `pulse`, without a striker under a force over time,
-
-    M(v) v'' + c v' + R(v) = F(t),
-
-whose mass belongs to a shape of deflection that changes once the spring has come to the next stage
-(Biggs), and the velocity by a factor that the stage brings; the kinetic energy that this leaves is
-dissipated. Once the striker cannot come back and the column swings on a straight line, the rest of
-the record is exact: a rotation in the plane of displacement and velocity over frequency.
+Two entries: `impact` with energy-conserving midpoint steps, as long as the error allows or equal;
+`explicit_impact` with Moreau's steps; `pulse` has a third. `impacts` follows many columns, with
+curve, pace and numbers of each. Once the striker cannot come back and the column swings on a
+straight line, the rest of the record is exact: a rotation in the plane of displacement and velocity
+over frequency.
 """
 
 from typing import Any, NamedTuple
@@ -16,8 +12,23 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from workbench.compiled import njit
-from workbench.impact.contact import inner, moreau_step_of, uncounted
-from workbench.impact.integrator import COMMON, DRIVE, Model, begin, march_of, no_flow
+from workbench.impact.contact import explicit_percussion, inner, moreau_step_of, uncounted
+from workbench.impact.integrator import (
+    COLLAPSE,
+    COMMON,
+    DONE,
+    DRIVE,
+    PROGRESS,
+    Model,
+    begin,
+    march_of,
+    no_flow,
+)
+from workbench.impact.pace import Pace
+from workbench.impact.records import standstill
+from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN
+from workbench.models.resistance.kernels import residual, unloading_stiffness
+from workbench.models.resistance.shapes import curve_of
 from workbench.models.single_dof.spring import (
     Spring,
     solve_midpoint,
@@ -25,6 +36,8 @@ from workbench.models.single_dof.spring import (
     spring_energy,
     spring_moved,
 )
+from workbench.responses.histories import FORCE_WINDOW
+from workbench.responses.kernels import largest_window
 
 RECORD = np.dtype(
     [
@@ -43,6 +56,12 @@ STATE = np.dtype(
     align=True,
 )
 _POINTS, _MOST_POINTS = 20, 2000  # records of a period of the vibration, and of a whole record
+_FIRST, _FEWEST_STEPS = 4e-3, 50  # step after an impact over that period; steps of a record
+_ERRORS = (1e-3, 8e-5)  # of a step without and with restitution, see `Pace`
+_PARTS = (500, 80_000)  # of the duration that are recorded, at least and at most
+MOST_STEPS = 4_000_000
+_INSTANT = 1e-12  # s, of the first collision
+SCALARS = ("peak_displacement", "time_of_peak", "residual_displacement", "impulse", "peak_force")
 _NO_MORE = 1.0 + 1e-4  # of the peak
 
 
@@ -52,21 +71,6 @@ class OneMass(NamedTuple):
     states: Any
     pieces: Any
     limit: float
-
-
-class PushedMass(NamedTuple):
-    """As `OneMass`; mean forces (N) of the steps, their length (s).
-
-    And stages (n, 3) of displacement (m), mass (kg) and factor on the velocity, `damping` in N s/m.
-    """
-
-    states: Any
-    pieces: Any
-    limit: float
-    means: Any
-    length: float
-    stages: Any
-    damping: float
 
 
 @uncounted
@@ -219,33 +223,6 @@ def accept_trial(s, dt):
     s.states[0].w = s.states[1].w
 
 
-@uncounted
-def solve_pushed(s, dt, closed, touch, striker):
-    """The step of the mass under the pulse."""
-    now = s.states[0]
-    now.push = s.means[min(int(now.time / s.length + 1e-6), s.means.size - 1)]
-    spring, impulse = spring_of(now), dt * (s.damping * now.w - now.push)
-    damped = now.mass + 0.5 * dt * s.damping  # the dashpot feels the mean velocity
-    w1, residual = solve_midpoint(dt, now.w, damped, impulse, spring, s.pieces)
-    s.states[1].w = w1
-    return residual <= 1e-9, w1, residual, 1
-
-
-@uncounted
-def accept_pushed(s, dt):
-    """Move the spring; the work of pulse and dashpot; what the next stage changes."""
-    now, before = s.states[0], s.states[0].v
-    accept(s, dt)
-    now.time += dt
-    now.dissipated += s.damping * (now.v - before) ** 2 / dt
-    now.work += now.push * (now.v - before)
-    while now.stage + 1 < s.stages.shape[0] and abs(now.v) >= s.stages[now.stage + 1, 0]:
-        now.stage += 1
-        kinetic = 0.5 * now.mass * now.w**2
-        now.mass, now.w = s.stages[now.stage, 1], s.stages[now.stage, 2] * now.w
-        now.dissipated += kinetic - 0.5 * now.mass * now.w**2
-
-
 _FULL = Model(
     *(hit, solve, no_flow, accept, write, lost), mass=mass_of, kick=kick, calm=calm, coast=coast
 )
@@ -253,7 +230,6 @@ _march = march_of(_FULL)
 _explicit = march_of(
     _FULL._replace(accept=accept_trial, step=moreau_step_of(hit, drift, push, jump))
 )
-_pushed = march_of(Model(hit, solve_pushed, no_flow, accept_pushed, write, lost))
 
 
 @inner
@@ -283,19 +259,82 @@ def explicit_impact(pieces, drive, progress, records):
     return _explicit(s, begin(drive, progress[0]), progress[0], records)
 
 
-def no_striker(elastic_limit: float, limit: float, mass: float) -> tuple[float, ...]:
-    """The drive of a pulse after its pace; displacements (m) and the mass at first (kg)."""
-    return 0.0, 0.0, 0.0, 0.0, elastic_limit, limit, mass
+@njit(cache=True, error_model="numpy")
+def pace_of(period, duration, bounces):
+    """Pace of an impact: `period` (s) of the mass on the steepest slope; may the striker come back.
+
+    Followed for a `duration` (s).
+    """
+    longest = duration / _FEWEST_STEPS
+    spacing = max(min(period / _POINTS, duration / _PARTS[0]), duration / _PARTS[1])
+    error = _ERRORS[1] if bounces else _ERRORS[0]
+    first = min(_FIRST * period, longest)
+    return Pace(duration, first, longest, error, error, np.inf, spacing, MOST_STEPS)
 
 
 @njit(cache=True, error_model="numpy")
-def pulse(pieces, stages, means, damping, drive, progress, records):
-    """Follow a pulse in equal steps: (status, rows), as `impact`.
+def scalars(records, progress, pieces, elastic_limit, mass, bounces):
+    """Numbers of an impact on a mass (kg), in the order of SCALARS; NaN where there is none."""
+    peak, when = standstill(records, progress, bounces)
+    left = np.nan
+    if not np.isnan(peak):  # after the peak reverse yielding takes some back
+        plastic = records["plastic"]
+        left = residual(pieces, elastic_limit, peak) + plastic[-1] - plastic.max()
+    percussion, force = records["percussion"], np.nan
+    if progress.crush.points == 0:
+        # the first collision is recorded with the first step but happens at time 0
+        v, e = progress.approach, progress.restitution
+        first = explicit_percussion(-v, -v, e, mass, progress.mass)
+        times, pushes = np.zeros(percussion.size + 1), np.zeros(percussion.size + 1)
+        times[1], times[2:] = _INSTANT, records["time"][1:]
+        pushes[1], pushes[2:] = first, percussion[1:]
+        pushes[2] -= first
+        force = largest_window(times, pushes, FORCE_WINDOW) / FORCE_WINDOW
+    return peak, when, left, percussion.sum(), force
 
-    Arguments: `stages` (n, 3), displacement (m) from which on a mass (kg) moves and the factor on
-    the velocity there, the first from 0 on; `means` (steps,) of the force; `damping` in N s/m.
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def impacts(rows, strikes, codes, results):
+    """Follow impacts on many columns: writes the `codes` (n,) and `results` (n, SCALARS).
+
+    Of one that collapses displacement (m) and time (s). Arguments: `rows` of mechanisms; `strikes`
+    (n, 5), mass (kg), velocity (m/s) and restitution of the striker, duration (s), impact mass.
     """
-    pace = begin(drive, progress[0])
-    states, limit = at_rest(drive, pieces), drive[DRIVE + 1]
-    s = PushedMass(states, pieces, limit, means, pace.longest, stages, damping)
-    return _pushed(s, pace, progress[0], records)
+    records = np.empty(1024, RECORD)
+    for i in range(codes.size):
+        if codes[i] != SURVIVES:
+            continue
+        striker, velocity, restitution, duration, mass = strikes[i]
+        pieces, elastic_limit, lost, unloads = curve_of(rows, i)
+        if unloads:
+            codes[i] = UNKNOWN
+            continue
+        limit, bounces = min(rows.reach[i], lost), restitution > 0.0
+        period = 2.0 * np.pi * (mass / unloading_stiffness(pieces, rows.reach[i])) ** 0.5
+        pace = pace_of(period, duration, bounces)
+        drive = np.array(
+            [
+                *(pace.duration, pace.first, pace.longest, pace.error, pace.vibration, pace.flow),
+                *(pace.spacing, float(pace.most), striker, velocity, restitution, 0.0),
+                *(elastic_limit, limit, mass),
+            ]
+        )
+        needed = 2 * int(np.ceil(duration / pace.spacing)) + 4
+        if records.size < needed:
+            records = np.empty(needed, RECORD)
+        progress = np.zeros(1, PROGRESS)
+        status, n = impact(pieces, drive, progress, records[:needed])
+        if status == COLLAPSE:
+            row = records[n - 1]
+            codes[i] = LOST if lost <= rows.reach[i] else COLLAPSES
+            when = progress[0].time - (row.displacement - limit) / row.velocity
+            results[i, 0], results[i, 1] = limit, when
+        elif status == DONE:
+            answer = scalars(records[:n], progress[0], pieces, elastic_limit, mass, bounces)
+            for k in range(len(answer)):
+                results[i, k] = answer[k]
+            v = records["displacement"][:n]
+            if np.isnan(answer[0]) and np.argmax(v) < n - 1:
+                codes[i] = UNKNOWN
+        else:
+            codes[i] = UNKNOWN

@@ -5,24 +5,22 @@ axial force gives an explicit force-displacement curve; it serves as the envelop
 one-dimensional elasto-plastic law. Mass M_B, a third of the column, meets the striker M_A.
 """
 
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
-from math import ceil, inf, pi, sqrt
+from math import ceil, isnan, pi, sqrt
 from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
-import pandas as pd
 
 from workbench.arrays import Array
-from workbench.errors import CollapseError, OutOfDomainError, SolverError
+from workbench.errors import OutOfDomainError
 from workbench.fields import Choice, Number, checked
-from workbench.impact import collide
 from workbench.impact.pace import Pace
 from workbench.impact.records import Run, follow, followed
-from workbench.models.domain import step_finding
+from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN, Answers
+from workbench.models.domain import buckles, step_finding
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import (
     INTERACTIONS,
@@ -35,37 +33,25 @@ from workbench.models.resistance import (
     column_curve,
     columns,
 )
-from workbench.models.resistance.columns import PANEL
+from workbench.models.resistance.columns import PANEL, rows_of, spread
 from workbench.models.resistance.given import NOTHING
 from workbench.models.single_dof import march
 from workbench.models.single_dof.pulse import Pushed, moved_masses, pulse_response
 from workbench.models.single_dof.spring import pushed
-from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import (
     Finding,
-    Outcome,
     Response,
     build_response,
     finding,
-    peak_contact_force,
 )
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
+from workbench.scenarios.varied import take
 
 _ENTRIES = {"midpoint": march.impact, "moreau": march.explicit_impact}
 _FINE_STEPS = 1000  # of Moreau's scheme in the period of the impact mass on the steepest stiffness
-_FIRST, _FEWEST_STEPS = 4e-3, 50  # step after an impact over that period; steps of a record
-_ERROR = (1e-3, 8e-5)  # of a step without and with restitution, see `Pace`
-_INSTANT = 1e-12  # s, of the first collision
-_POINTS, _RECORDS = 20, (500, 80_000)  # parts of a period and of a record that are recorded
-_MOST_STEPS, _MOST_STEPS_ASKED = 400_000, 4_000_000
+_MOST_STEPS = 400_000
 _PUSH_STEPS = 1000
-_ENDINGS: dict[type[Exception], Outcome] = {
-    CollapseError: Outcome.COLLAPSE,
-    OutOfDomainError: Outcome.OUT_OF_DOMAIN,
-    SolverError: Outcome.NOT_CONVERGED,
-}
-_BATCH = ("peak_displacement", "time_of_peak", "residual_displacement", "peak_force", "impulse")
 
 
 @dataclass(frozen=True)
@@ -163,14 +149,14 @@ class SingleDof(OnCurve):
     def _step_findings(self, scenario: ColumnImpact, step: float) -> list[Finding]:
         """Refusals of a time step that the caller has set."""
         findings = []
-        if scenario.duration / step > _MOST_STEPS_ASKED:
+        if scenario.duration / step > march.MOST_STEPS:
             findings.append(
                 finding(
                     "more-steps-than-kept",
                     step=step,
                     count=scenario.duration / step,
                     duration=scenario.duration,
-                    most=_MOST_STEPS_ASKED,
+                    most=march.MOST_STEPS,
                 )
             )
         if self.integrator == "moreau":
@@ -178,25 +164,34 @@ class SingleDof(OnCurve):
                 findings += step_finding(step, self.period(scenario.column) / pi)
         return findings
 
-    def simulate_many(self, scenarios: Sequence[ColumnImpact]) -> pd.DataFrame:
-        """Scalars of many impacts, the same numbers as `simulate` gives, without histories.
+    def stackable(self, scenario: ColumnScenario) -> bool:
+        """Whether it answers such impacts in stacks."""
+        plain = self.integrator == "midpoint" and not self.time_step and not self.radiation_damping
+        return plain and self.curve_stacks(scenario)
 
-        One row per scenario: peak and residual displacement (m), time of the peak (s), peak force
-        (N) and impulse (N s), NaN where a case gives no such number; its `outcome`, and `failure`,
-        why it is not ok (else ""). Warnings of the domain are not collected.
-        """
-        rows: list[dict[str, Any]] = []
-        for scenario in scenarios:
-            refusals = [str(finding) for finding in self.domain(scenario) if finding.refusal]
-            try:
-                if refusals:
-                    raise OutOfDomainError("; ".join(refusals))
-                heavy = self.with_mass(with_strain_rate(self, scenario)[0])
-                row = {**_scalars(heavy, *self._march(heavy)), "outcome": Outcome.OK, "failure": ""}
-            except tuple(_ENDINGS) as error:
-                row = {"outcome": _ENDINGS[type(error)], "failure": str(error)}
-            rows.append(row)
-        return pd.DataFrame(rows, columns=[*_BATCH, "outcome", "failure"])
+    def answer_stack(self, scenario: ColumnImpact, count: int) -> Answers:
+        """Answers to a stack of `count` impacts, see `models.batch`."""
+        scenario = self.with_mass(scenario)
+        column, striker = scenario.column, scenario.striker
+        options = self.resistance, self.rotational_stiffness, self.interaction
+        rows, exhausted = rows_of(column, count, *options)
+        hits = (striker.mass, striker.velocity, striker.restitution, scenario.duration)
+        numbers = (*hits, column.properties.impact_mass)
+        strikes = np.stack([spread(each, count) for each in numbers], axis=1)
+        codes = np.where(exhausted | buckles(scenario), UNKNOWN, SURVIVES)
+        results = np.full((count, len(march.SCALARS)), np.nan)
+        march.impacts(rows, strikes, codes, results)
+        found = dict(zip(march.SCALARS, results.T, strict=True))
+        fallen = np.flatnonzero(codes >= COLLAPSES)
+        ends = {int(i): results[i, :2].copy() for i in fallen}
+        results[codes != SURVIVES] = np.nan
+        energy = np.where(codes == SURVIVES, scenario.input_energy, np.nan)
+
+        def collapse(i: int) -> Any:
+            v, time = map(float, ends[i])
+            return columns.fallen(take(column, i), bool(codes[i] == LOST), v, time)
+
+        return Answers(codes, {**found, "input_energy": energy}, collapse)
 
     def _solve(self, scenario: ColumnScenario) -> Response:
         if isinstance(scenario, ColumnPushover):
@@ -228,13 +223,10 @@ class SingleDof(OnCurve):
         """How an impact followed for a `duration` (s) is stepped through."""
         period, step = self.period(column), self.time_step
         if step is None and self.integrator == "midpoint":
-            first, longest = _FIRST * period, duration / _FEWEST_STEPS
-            spacing = min(period / _POINTS, duration / _RECORDS[0])
-            spacing = max(spacing, duration / _RECORDS[1])
-            control = (_ERROR[bounces], _ERROR[bounces], inf, spacing, _MOST_STEPS_ASKED)
-            return Pace(duration, min(first, longest), longest, *control)
+            pace: Pace = march.pace_of(period, duration, bounces)
+            return pace
         step = step or max(period / _FINE_STEPS, duration / _MOST_STEPS)
-        return Pace.equal(duration, duration / max(1, ceil(duration / step)), _MOST_STEPS_ASKED)
+        return Pace.equal(duration, duration / max(1, ceil(duration / step)), march.MOST_STEPS)
 
     def _impact(self, scenario: ColumnImpact) -> Response:
         started = perf_counter()
@@ -289,22 +281,10 @@ def _prepared(
 
 def _scalars(scenario: ColumnImpact, run: Run, curve: ResistanceCurve) -> dict[str, float]:
     """Scalar results of an impact; without a peak in the record only those of the contact."""
-    striker, percussion = scenario.striker, run.records["percussion"].copy()
-    values = run.peak(striker.rebounds)
-    if values:
-        plastic = run.records["plastic"]  # after the peak reverse yielding takes some back
-        changed = plastic[-1] - plastic.max()
-        values["residual_displacement"] = curve.residual(values["peak_displacement"]) + changed
-    values["impulse"] = float(percussion.sum())
-    if striker.crushes:
-        return values
-    # the first collision is recorded with the first step but happens at time 0
-    mass = scenario.column.properties.impact_mass
-    first = collide(mass, striker.mass, striker.velocity, striker.restitution).percussion
-    percussion[:2] = first, percussion[1] - first
-    time = np.concatenate([[0.0, _INSTANT], run.records["time"][1:]])
-    values["peak_force"] = peak_contact_force(time, np.concatenate([[0.0], percussion]))
-    return values
+    striker, mass = scenario.striker, scenario.column.properties.impact_mass
+    spring = curve.pieces, curve.elastic_limit, mass
+    numbers = march.scalars(run.records, run.progress, *spring, striker.rebounds)
+    return {name: x for name, x in zip(march.SCALARS, numbers, strict=True) if not isnan(x)}
 
 
 def _pushed_energies(curve: ResistanceCurve, path: Array, force: Array) -> dict[str, Any]:

@@ -1,4 +1,13 @@
-"""A column on its resistance curve under a force over time: steps, histories, response."""
+"""A column on its resistance curve under a force over time: steps, histories, response.
+
+Without a striker, under a force over time,
+
+    M(v) v'' + c v' + R(v) = F(t),
+
+the mass belongs to a shape of deflection that changes once the spring has come to the next stage
+(Biggs), and the velocity by a factor that the stage brings; the kinetic energy that this leaves is
+dissipated.
+"""
 
 from collections.abc import Callable, Mapping
 from functools import lru_cache
@@ -8,17 +17,36 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from workbench.arrays import Array
+from workbench.compiled import njit
+from workbench.impact.contact import uncounted
+from workbench.impact.integrator import DRIVE, Model, begin, march_of, no_flow
 from workbench.impact.pace import Pace
 from workbench.impact.records import follow
 from workbench.models.practice.deflected_shape import beam_of
 from workbench.models.resistance import ResistanceCurve, columns
 from workbench.models.single_dof import march
+from workbench.models.single_dof.spring import solve_midpoint
 from workbench.responses import Response, build_response
 from workbench.scenarios import Column, MemberPulse, Pulse
 from workbench.scenarios.pulse import UNIFORM
 
 _STEPS_PER_PERIOD = 64  # of the lightest mass on the steepest stiffness
 _FEWEST_STEPS, _MOST_STEPS = 400, 1_000_000
+
+
+class PushedMass(NamedTuple):
+    """As `OneMass`; mean forces (N) of the steps, their length (s).
+
+    And stages (n, 3) of displacement (m), mass (kg) and factor on the velocity, `damping` in N s/m.
+    """
+
+    states: Any
+    pieces: Any
+    limit: float
+    means: Any
+    length: float
+    stages: Any
+    damping: float
 
 
 class Pushed(NamedTuple):
@@ -34,6 +62,54 @@ class Pushed(NamedTuple):
     share: float
     at_hit: bool
     damping: float = 0.0
+
+
+@uncounted
+def solve_pushed(s, dt, closed, touch, striker):
+    """The step of the mass under the pulse."""
+    now = s.states[0]
+    now.push = s.means[min(int(now.time / s.length + 1e-6), s.means.size - 1)]
+    spring, impulse = march.spring_of(now), dt * (s.damping * now.w - now.push)
+    damped = now.mass + 0.5 * dt * s.damping  # the dashpot feels the mean velocity
+    w1, residual = solve_midpoint(dt, now.w, damped, impulse, spring, s.pieces)
+    s.states[1].w = w1
+    return residual <= 1e-9, w1, residual, 1
+
+
+@uncounted
+def accept_pushed(s, dt):
+    """Move the spring; the work of pulse and dashpot; what the next stage changes."""
+    now, before = s.states[0], s.states[0].v
+    march.accept(s, dt)
+    now.time += dt
+    now.dissipated += s.damping * (now.v - before) ** 2 / dt
+    now.work += now.push * (now.v - before)
+    while now.stage + 1 < s.stages.shape[0] and abs(now.v) >= s.stages[now.stage + 1, 0]:
+        now.stage += 1
+        kinetic = 0.5 * now.mass * now.w**2
+        now.mass, now.w = s.stages[now.stage, 1], s.stages[now.stage, 2] * now.w
+        now.dissipated += kinetic - 0.5 * now.mass * now.w**2
+
+
+_march = march_of(Model(march.hit, solve_pushed, no_flow, accept_pushed, march.write, march.lost))
+
+
+def no_striker(elastic_limit: float, limit: float, mass: float) -> tuple[float, ...]:
+    """The drive of a pulse after its pace; displacements (m) and the mass at first (kg)."""
+    return 0.0, 0.0, 0.0, 0.0, elastic_limit, limit, mass
+
+
+@njit(cache=True, error_model="numpy")
+def under_pulse(pieces, stages, means, damping, drive, progress, records):
+    """Follow a pulse in equal steps: (status, rows), as `impact`.
+
+    Arguments: `stages` (n, 3), displacement (m) from which on a mass (kg) moves and the factor on
+    the velocity there, the first from 0 on; `means` (steps,) of the force; `damping` in N s/m.
+    """
+    pace = begin(drive, progress[0])
+    states, limit = march.at_rest(drive, pieces), drive[DRIVE + 1]
+    s = PushedMass(states, pieces, limit, means, pace.longest, stages, damping)
+    return _march(s, pace, progress[0], records)
 
 
 @lru_cache(maxsize=256)
@@ -72,8 +148,8 @@ def push(
     means = pushed.share * pulse.means(time)
     tables = curve.pieces, np.array(pushed.stages), means, pushed.damping
     limit = columns.limit_of(curve, column)
-    drive = march.no_striker(curve.elastic_limit, limit, pushed.stages[0][1])
-    run = follow(march.pulse, tables, Pace.equal(duration, step, steps), drive, march.RECORD)
+    drive = no_striker(curve.elastic_limit, limit, pushed.stages[0][1])
+    run = follow(under_pulse, tables, Pace.equal(duration, step, steps), drive, march.RECORD)
     records = run.records
     if run.collapsed:
         reached, when = float(records["displacement"][-1]), float(records["time"][-1])

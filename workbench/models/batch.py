@@ -1,0 +1,119 @@
+"""Answers of one model to many scenarios as a table, of stacks in compiled loops.
+
+A model with `answer_stack` answers a stack of struck columns at once, with the numbers of single
+calls: same formulas, same integrator. Rows that it cannot answer that way are asked one by one, so
+that refusals and failures have the words of a single call.
+"""
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from workbench.arrays import Array, Indices
+from workbench.errors import CollapseError, InputError
+from workbench.models.base import Model, on_one_mesh
+from workbench.responses import SCALARS, Outcome, failure_message, outcome_of, scalars_of
+from workbench.scenarios import Scenario
+from workbench.scenarios.varied import stacks, take
+
+OUTCOME, FAILURE = "outcome", "failure"
+CHUNK = 4096  # rows of a stack that a thread answers together
+SURVIVES, UNKNOWN, COLLAPSES, LOST = range(4)  # codes of rows; of the last two models say how
+
+
+class Answers(NamedTuple):
+    """What a model makes of a stack: `codes` (n,), `scalars` (n,) by name, NaN where there is none.
+
+    And how row i has collapsed, `collapse(i)`. Rows of code UNKNOWN are asked one by one.
+    """
+
+    codes: Indices
+    scalars: dict[str, Array]
+    collapse: Callable[[int], CollapseError]
+
+
+def can_stack(model: Any, scenario: Scenario) -> bool:
+    """Whether a model answers scenarios like this one in stacks."""
+    stackable = getattr(model, "stackable", None)
+    return stackable is not None and bool(stackable(scenario))
+
+
+def simulate_many(
+    model: Model, scenarios: Sequence[Scenario], threads: int | None = None
+) -> pd.DataFrame:
+    """Answer many scenarios with one model: a table, a row a scenario, without histories.
+
+    Parameters
+    ----------
+    model : references answer on one mesh.
+    scenarios : a list, or `Varied`: a scenario with values varied by row, which is built if needed.
+    threads : of the machine, at most (None: all); the numbers do not depend on it.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Scalars in SI units, NaN where there is none; `outcome`; `failure`, why it is not ok, as a
+        single call says it (else "").
+    """
+    alone, count = on_one_mesh(model), len(scenarios)
+    table: dict[str, Array] = {}
+    outcomes, failures = np.full(count, Outcome.OK.value, object), np.full(count, "", object)
+
+    def single(row: int) -> None:
+        try:
+            response = alone.simulate(scenarios[row])
+        except InputError as error:
+            outcomes[row], failures[row] = Outcome.INVALID_INPUT.value, str(error)
+            return
+        outcome = outcome_of(response)
+        outcomes[row] = outcome.value
+        if outcome is Outcome.OK:
+            for name, value in scalars_of(response).items():
+                table.setdefault(name, np.full(count, np.nan))[row] = value
+        else:
+            failures[row] = str(response.attrs["message"])
+
+    def stacked(part: tuple[Indices, Any]) -> tuple[Indices, Answers]:
+        return part[0], alone.answer_stack(part[1], len(part[0]))  # type: ignore[attr-defined]
+
+    left: list[Indices] = []
+    parts = _parts(alone, scenarios, left)
+    with ThreadPoolExecutor(threads or _cores()) as pool:
+        for rows, answers in pool.map(stacked, parts):
+            left.append(rows[answers.codes == UNKNOWN])
+            for name, values in answers.scalars.items():
+                table.setdefault(name, np.full(count, np.nan))[rows] = values
+            for i in np.flatnonzero(answers.codes >= COLLAPSES):
+                outcomes[rows[i]] = Outcome.COLLAPSE.value
+                error = answers.collapse(int(i))
+                failures[rows[i]] = failure_message(Outcome.COLLAPSE, str(error))
+    for row in np.concatenate([*left, np.empty(0, np.int64)]):
+        single(int(row))
+    present = [name for name in SCALARS if name in table and not np.isnan(table[name]).all()]
+    columns: dict[str, Any] = {name: table[name] for name in present}
+    return pd.DataFrame({**columns, OUTCOME: outcomes, FAILURE: failures})
+
+
+def _parts(
+    model: Any, scenarios: Sequence[Scenario], left: list[Indices]
+) -> Iterator[tuple[Indices, Any]]:
+    """Chunks of stacks with their rows; rows that have none are put where they are `left`."""
+    if not hasattr(model, "stackable"):
+        left.append(np.arange(len(scenarios)))
+        return
+    for rows, stack in stacks(scenarios):
+        if stack is None or not model.stackable(stack):
+            left.append(rows)
+            continue
+        for k in range(0, len(rows), CHUNK):
+            yield rows[k : k + CHUNK], take(stack, slice(k, k + CHUNK))
+
+
+def _cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
