@@ -10,6 +10,8 @@ import pytest
 from toy_models import Spring
 
 from workbench.evidence.error_table import COLUMNS, ends_of
+from workbench.materials import GRADES
+from workbench.models.strain_rate import with_rate
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.responses import Outcome
 from workbench.scenarios import ColumnImpact
@@ -119,3 +121,18 @@ def test_without_anchor_or_with_few_columns_nothing_is_said(study: Study) -> Non
     tables["cells"] = tables["cells"][tables["cells"]["label"] != "anchor"]
     for each, of in ((few, few_tables), (bare, tables)):
         assert all(found.empty for found in error_tables(each, of).values())
+
+
+def test_steel_that_feels_its_rate_is_no_data_of_the_error_model(study: Study) -> None:
+    """A study may hit a drawn column once more with a rate law; ratios are of the static one."""
+    law = GRADES["S355"][1]
+    fast = {case.name for case in study.cases[: COUNT // 3]}
+    mixed = replace(
+        study,
+        cases=tuple(
+            replace(case, scenario=with_rate(case.scenario, law)) if case.name in fast else case
+            for case in study.cases
+        ),
+    )
+    (row,) = error_tables(mixed, tables_of(mixed))["error-cells"].to_dict("records")
+    assert row["count"] == COUNT - len(fast)

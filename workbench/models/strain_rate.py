@@ -78,6 +78,12 @@ def steel_of(scenario: Any) -> Steel | None:
     return getattr(part, "steel", None)
 
 
+def feels_rate(scenario: Any) -> bool:
+    """Whether the steel of a scenario has a rate law."""
+    steel = steel_of(scenario)
+    return steel is not None and steel.rate is not None
+
+
 def rate_factor(scenario: ColumnImpact, shear_yields: bool = False) -> float:
     """Mean factor on the yield stress of a struck column whose steel has a rate law.
 

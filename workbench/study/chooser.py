@@ -16,6 +16,7 @@ from workbench.evidence.descriptors import variant_of
 from workbench.evidence.error_model import BEYOND, WARNED, chance_beyond
 from workbench.evidence.error_table import TABLES, ends_of, table_of
 from workbench.evidence.local import LocalMean
+from workbench.models.strain_rate import feels_rate
 from workbench.responses import Outcome
 from workbench.study.definition import Study
 from workbench.study.ranking import errors_of
@@ -106,7 +107,7 @@ def _drawn(study: Study, tables: Tables) -> _Drawn | None:
     words, places, points = {}, {}, {}
     for case in errors.index:
         of_kind = table_of(scenarios[case])
-        if of_kind is None:
+        if of_kind is None or feels_rate(scenarios[case]):
             continue
         try:
             features = of_kind.features(scenarios[case])

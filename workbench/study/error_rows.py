@@ -11,6 +11,7 @@ from workbench.errors import InputError
 from workbench.evidence.descriptors import variant_of
 from workbench.evidence.error_model import PEAK, RESIDUAL
 from workbench.evidence.error_table import FINEST, TRUTH, ErrorTable
+from workbench.models.strain_rate import feels_rate
 from workbench.responses import Response, findings_of, outcome_of, survives
 from workbench.scenarios import canonical
 from workbench.study.cells import cells_of
@@ -28,7 +29,8 @@ def error_rows(study: Study, table: ErrorTable, root: Path) -> Iterator[Row]:
 
     And residual displacements of reference and anchor. All are in m; peaks infinite where the
     structure collapses, None without an answer; that of the finest reference, too, only where it
-    does not warn of itself. Raises `InputError` for a study without the anchor or the reference.
+    does not warn of itself. Where only some of the cases have steel that feels its strain rate
+    those are left out. Raises `InputError` for a study without the anchor or the reference.
     """
     names = {label: _name_of(study, label) for label in study.models}
     others = [label for label in names if label != study.reference]
@@ -39,7 +41,8 @@ def error_rows(study: Study, table: ErrorTable, root: Path) -> Iterator[Row]:
     store = Store(Path(root) / study.name)
     cells = {(cell.case, cell.label): cell for cell in cells_of(study)}
     version = {name: study.models[label].version for label, name in names.items()}
-    for case in study.cases:
+    static = [case for case in study.cases if not feels_rate(case.scenario)]
+    for case in static or study.cases:
         answers: dict[str, Response] = {}
         for label in names:
             cell = cells.get((case.name, label))
