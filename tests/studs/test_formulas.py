@@ -180,7 +180,7 @@ def test_unseen_pull_outs_and_factors(pull_outs: Path) -> None:
     table = read_text(pull_outs.read_text(), TESTS).accept()
     fit = fit_strength(table[table["campaign"] != "lab 2"], "ccd-mean")
     assert len(fit.judge(table[table["campaign"] == "lab 2"]).rows) == 6
-    factor = fit_factors(table, "ccd-mean").fitted.estimates["concrete"]
+    factor = fit_factors(table, "ccd-mean").estimates["concrete"]
     assert factor == pytest.approx(16.8 * 1.1, rel=0.08)
     with pytest.raises(InputError, match="one term of concrete"):
         fit_factors(table, "en1992-tension")

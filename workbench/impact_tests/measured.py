@@ -12,7 +12,7 @@ from workbench.models.base import Answering
 from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import ColumnImpact, Scenario
 
-_TOLD = ("name", "title", "source", "licence", "year", "role", "uncertainty")
+_PROVENANCE = ("name", "title", "source", "licence", "year", "role", "uncertainty")
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Measured(Answering):
         digest = hashlib.sha256()
         for entry in tables(self.dataset):
             digest.update(entry.path.read_bytes())
-            digest.update(json.dumps([getattr(entry, name) for name in _TOLD]).encode())
+            digest.update(json.dumps([getattr(entry, name) for name in _PROVENANCE]).encode())
         return digest.hexdigest()[:16]
 
     def domain(self, scenario: Scenario) -> list[Finding]:
@@ -85,7 +85,7 @@ class Measured(Answering):
         response = build_response({name: value for name, (value, _) in test.measured.items()})
         widths = {name: width for name, (_, width) in test.measured.items()}
         response.attrs["data_uncertainty"] = json.dumps(widths, sort_keys=True)
-        entries = [{name: getattr(entry, name) for name in _TOLD} for entry in test.entries]
+        entries = [{name: getattr(entry, name) for name in _PROVENANCE} for entry in test.entries]
         sources = {"tests": test.names, "campaign": test.campaign, "datasets": entries}
         response.attrs["data"] = json.dumps(sources, sort_keys=True)
         return response

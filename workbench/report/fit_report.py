@@ -4,7 +4,7 @@ Made of the tables that `workbench fit --json` prints and of the rows of the inp
 fitted here. One self-contained HTML file or PDF, and the numbers of every figure as CSV beside it.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,7 +29,7 @@ from workbench.errors import InputError
 from workbench.report.chapters.studs import Head, of_fit
 from workbench.report.drawing import influence
 from workbench.report.drawing.sheet import Drawing, drawn
-from workbench.report.figures import stud_laws, stud_tests
+from workbench.report.figures import plot_of
 from workbench.report.gallery import Plate, to_csv
 from workbench.responses.provenance import provenance
 from workbench.studs.fit_protocol import Tables
@@ -45,26 +45,26 @@ _TITLES = {
     "interaction": "Tension and shear of headed studs together",
     "few-tests": "Characteristic values of few tests on headed studs",
 }
-_FIGURES: dict[str, tuple[Callable[[Mapping[str, Tables]], Drawing], str, str, str]] = {
+_FIGURES = {  # by kind: key, title, caption
     "stud-scatter": (
-        *(stud_tests.scatter_of, "prediction", "Prediction"),
+        *("prediction", "Prediction"),
         "Measured over predicted strength; below the line a prediction is unsafe.",
     ),
     "stud-residuals": (
-        *(stud_tests.residuals_of, "residuals", "Residuals"),
+        *("residuals", "Residuals"),
         "What the formula of least scatter misses: a trend in a variable is one that it lacks.",
     ),
     "stud-curves": (
-        *(stud_laws.curves_of, "curves", "Curves"),
+        *("curves", "Curves"),
         "Load over its largest value: the laws with their bands over the tests.",
     ),
     "stud-guideline": (
-        *(stud_laws.left_of, "left", "What is left"),
+        *("left", "What is left"),
         "Share that is left; the band ends where the tested damage ends, beyond it the line is an "
         "extrapolation.",
     ),
     "stud-interaction": (
-        *(stud_laws.interaction_of, "interaction", "Law"),
+        *("interaction", "Law"),
         "Tension and shear over the resistances under one of them alone.",
     ),
 }
@@ -151,9 +151,9 @@ def _figures(tables: Tables) -> Iterator[Drawn]:
     names = list(dict.fromkeys(tables["fit"]["of"])) if "fit" in tables else []
     best = tables["ranking"]["of"].iloc[0] if "ranking" in tables else ""
     kinds = dict.fromkeys(tables["figures"]["kind"]) if names else ()
-    for plot, key, title, caption in (_FIGURES[kind] for kind in kinds):
-        shown = [best] if key == "residuals" else names
-        yield key, title, caption, drawn(plot, {n: _of(tables, n) for n in shown})
+    for kind in kinds:
+        shown = [best] if kind == "stud-residuals" else names
+        yield *_FIGURES[kind], drawn(plot_of(kind), {n: _of(tables, n) for n in shown})
     moved = tables.get("influence", pd.DataFrame())
     if len(moved):
         several = moved.groupby("of")["answer"].transform("nunique") > 1

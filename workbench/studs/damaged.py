@@ -164,10 +164,10 @@ def predicted_references(table: pd.DataFrame) -> pd.DataFrame:
         reason = f"undamaged tests: must be {LEAST_UNDAMAGED} or more to predict references"
         advice = "test companions, or add the shipped tests with --with-shipped"
         raise InputError("table", f"{len(bias)} rows", reason, advice)
-    open_ = (table["predamage"] != NO_PREDAMAGE) & ratios(table, "strength").isna()
-    open_ &= formula.notna() & table["shear_kN"].notna()
-    reference = table["undamaged_shear_kN"].mask(open_, 1e-3 * float(bias.median()) * formula)
-    basis = table["undamaged_basis"].mask(open_, PREDICTED)
+    lacking = (table["predamage"] != NO_PREDAMAGE) & ratios(table, "strength").isna()
+    lacking &= formula.notna() & table["shear_kN"].notna()
+    reference = table["undamaged_shear_kN"].mask(lacking, 1e-3 * float(bias.median()) * formula)
+    basis = table["undamaged_basis"].mask(lacking, PREDICTED)
     return table.assign(undamaged_shear_kN=reference, undamaged_basis=basis)
 
 

@@ -238,20 +238,6 @@ def usual_stud(model: Formula) -> dict[str, float | None] | None:
 FACTORS = {"steel": (0.1, 5.0), "concrete": (0.02, 200.0)}  # bounds that no sensible fit reaches
 
 
-@dataclass(frozen=True)
-class FactorFit:
-    """Fitted factors of a formula.
-
-    `model` with the fitted factors; `fitted`, the factors and the scatters of the log ratio;
-    `governed_by_steel`, share of the tests; `findings`, what the fit warns of.
-    """
-
-    model: Formula
-    fitted: Fitted
-    governed_by_steel: float
-    findings: tuple[Finding, ...]
-
-
 def fit_factors(
     table: pd.DataFrame,
     model: str | Formula = "roik-mean",
@@ -260,8 +246,8 @@ def fit_factors(
     loss: str = "linear",
     confidence: float = 0.9,
     slab: str = "solid",
-) -> FactorFit:
-    """Fit factors of a formula to the undamaged headed studs of a table.
+) -> Fitted:
+    """Fit factors of a formula, `scaled` by them, to the undamaged headed studs of a table.
 
     Arguments: `model`, name or `Formula`, gives the start and the factors that are held;
     `factors` out of ``steel`` and ``concrete``; the rest as in `fit_strength`. Raises `InputError`
@@ -289,11 +275,7 @@ def fit_factors(
             raise
         value = float(np.exp(error.value))  # what is fitted is the logarithm
         raise InputError(error.field, value, error.allowed, error.advice) from error
-    result = fitted(estimate, factors, confidence=confidence)
-    best = chosen.scaled(**result.estimates)
-    steel, concrete = best.terms(tests)
-    findings = tuple(finding("stud-factor-at-bound", name=name) for name in result.at_bound)
-    return FactorFit(best, result, float(np.mean(steel < concrete)), findings)
+    return fitted(estimate, factors, confidence=confidence)
 
 
 def prediction(tests: Specimens, model: Formula, factors: tuple[str, ...]) -> Prediction:

@@ -90,14 +90,19 @@ def _formula(
 ) -> Tables:
     """A formula fitted and judged, as it is and corrected, and its own factors if wanted."""
     fit, confidence = fit_strength(fitted, formula, **how), how.get("confidence", 0.9)
+    scaled = None
+    if factors:
+        given = {name: how[name] for name in ("loss", "confidence", "slab") if name in how}
+        scaled = fit_factors(fitted, formula, factors, **given)
+        stuck = (finding("stud-factor-at-bound", name=name) for name in scaled.at_bound)
+        fit = replace(fit, findings=(*fit.findings, *stuck))
     tables = known_of(fit, held, confidence, "as it is")
     if not held.empty:
         corrected = fit.judge(held, confidence, corrected=True).summary
         row = pd.DataFrame([{"prediction": "as fitted", **corrected}])
         tables["judgement"] = pd.concat([tables["judgement"], row], ignore_index=True)
-    if factors:
-        given = {name: how[name] for name in ("loss", "confidence", "slab") if name in how}
-        tables["factors"] = fit_factors(fitted, formula, factors, **given).fitted.table
+    if scaled is not None:
+        tables["factors"] = scaled.table
     return tables
 
 

@@ -14,7 +14,7 @@ import xarray as xr
 from workbench.errors import InputError, OutOfDomainError
 from workbench.evidence import dataset
 from workbench.models.base import Answering
-from workbench.responses import Finding, Response, build_response
+from workbench.responses import Finding, Response, build_response, finding
 from workbench.responses.uncertainty import SAMPLED
 from workbench.scenarios import Scenario
 from workbench.scenarios.laboratory import CSV, StudTests
@@ -139,8 +139,8 @@ class StudModel(Answering):
         question = scenario.asked if isinstance(scenario, StudTests) else ""
         if not question or not self.asks or question in self.asks:
             return []
-        text = f"{self.name} answers {', '.join(self.asks)}, not {question}"
-        return [Finding("question", text, refusal=True)]
+        asks = ", ".join(self.asks)
+        return [finding("question", name=self.name, asks=asks, question=question)]
 
     @abstractmethod
     def find(self, scenario: StudTests, split: Split) -> StudAnswer:

@@ -67,10 +67,6 @@ class Relation:
         known = () if self.peak is None else (np.asarray(self.peak, float),)
         return np.maximum(self.value(d, np.asarray(theta, float), *known), 0.0)
 
-    def start_for(self, level: Array, left: Array) -> tuple[float, ...]:
-        """The one of `starts` that is nearest to what is left (n,) at damage levels (n,)."""
-        return min(self.starts, key=lambda theta: float(np.sum((self(level, theta) - left) ** 2)))
-
 
 MEASURES = ("displacement ratio", "load ratio")  # of damage, that the mechanical model knows
 
@@ -186,10 +182,9 @@ def candidates(
 
 def problem_of(y: Array, level: Array, campaigns: ArrayLike, relation: Relation) -> Problem:
     """The regression of ratios (n,) at damage levels (n,) on a relation."""
-    predict, names = partial(relation, level), relation.parameters
-    start = relation.start_for(level, y)
-    bounds = {"lower": relation.lower, "upper": relation.upper}
-    return problem(y, campaigns, predict, names, start, **bounds)
+    predict, bounds = partial(relation, level), {"lower": relation.lower, "upper": relation.upper}
+    start = min(relation.starts, key=lambda theta: float(np.sum((predict(theta) - y) ** 2)))
+    return problem(y, campaigns, predict, relation.parameters, start, **bounds)
 
 
 def fit_candidates(relations: list[Relation], rows: pd.DataFrame, loss: str) -> dict[str, Estimate]:

@@ -77,12 +77,12 @@ class ResidualFit(Fit):
     measure: str
     stud: str
     relation: Relation
-    fitted: Fitted | None
-    scores: tuple[Score, ...]
-    averaged: tuple[Candidate, ...]
     grade: Grade
     levels: tuple[float, float]
     mechanical: MechanicalCurve | None
+    fitted: Fitted | None = None
+    scores: tuple[Score, ...] = ()
+    averaged: tuple[Candidate, ...] = ()
     figures: ClassVar[tuple[str, ...]] = ("stud-guideline",)
 
     @property
@@ -293,19 +293,15 @@ def _predicted(
         more = ", or --predicted-reference" if quantity == "strength" else ""
         which: dict[str, Any] = {"column": QUANTITIES[quantity][1], "more": more}
         why = finding("stud-useless-damaged-tests", count=damaged, quantity=quantity, **which)
-    none = table.iloc[:0]
     return ResidualFit(
         quantity=quantity,
         predamage=mechanical.predamage,
         measure=mechanical.measure,
         stud=mechanical.stud,
         relation=mechanical.relation(),
-        fitted=None,
-        scores=(),
-        averaged=(),
         grade=Grade.MECHANICAL,
         levels=(float(mechanical.level[0]), float(mechanical.level[-1])),
-        rows=none,
+        rows=table.iloc[:0],
         findings=(*suspicions(table), why, finding("stud-basis", basis=mechanical.basis)),
         mechanical=mechanical,
     )

@@ -255,25 +255,51 @@ class Template(NamedTuple):
     @property
     def text(self) -> str:
         """The whole template: comments, the header, and the line of units if there is one."""
-        lines = (f"{COMMENT} {line}".rstrip() for line in _comments(self))
-        header = ",".join(_shown(self, name) for name in self.columns)
+        lines = (f"{COMMENT} {line}".rstrip() for line in self._comments())
+        header = ",".join(self._header(name) for name in self.columns)
         return "\n".join([*lines, header, *([",".join(self.units)] if self.units else [])]) + "\n"
+
+    def _header(self, name: str) -> str:
+        """How the header names a column: without its unit where a line of units holds it."""
+        return self.schema.column(name).base if self.units else name
+
+    def _comments(self) -> Iterator[str]:
+        yield f"{self.title}. Then"
+        yield "    workbench data check FILE.csv"
+        yield f"    workbench {self.verb}"
+        yield "Lines above the header that begin with # are not read; an empty cell: not reported."
+        for title, names in (("Columns:", self.columns), ("Columns that help:", self.more)):
+            yield from ("", title)
+            wide = max(len(self._header(name)) for name in names)
+            for name in names:
+                column = self.schema.column(name)
+                rule = column.rule.allowed().removeprefix("must be ")
+                words = "" if isinstance(column.rule, Text) else f"; {rule}"
+                yield f"    {self._header(name):{wide}}  {column.meaning}{words}"
+        yield from ("", *self.notes, "", "Example:")
+        yield from (f"    {row}" for row in self.rows)
 
 
 def templates_in(path: Path, *schemas: Table) -> dict[str, Template]:
     """The templates that a file such as ``templates.toml`` declares, by their kinds."""
     named = {schema.name: schema for schema in schemas}
-    templates = {}
-    for kind, given in tomllib.loads(path.read_text(encoding="utf-8")).items():
-        columns, more, units = (_names(given.get(key, "")) for key in ("columns", "more", "units"))
-        rows, notes = (tuple(given.get(key, "").splitlines()) for key in ("rows", "notes"))
-        which = named[given["table"]], columns, more
-        templates[kind] = Template(given["title"], *which, given["verb"], rows, notes, units)
-    return templates
 
+    def names(text: str) -> tuple[str, ...]:
+        return tuple(name.strip() for name in text.split(",")) if text else ()
 
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(name.strip() for name in text.split(",")) if text else ()
+    return {
+        kind: Template(
+            title=given["title"],
+            schema=named[given["table"]],
+            columns=names(given["columns"]),
+            more=names(given["more"]),
+            verb=given["verb"],
+            rows=tuple(given["rows"].splitlines()),
+            notes=tuple(given.get("notes", "").splitlines()),
+            units=names(given.get("units", "")),
+        )
+        for kind, given in tomllib.loads(path.read_text(encoding="utf-8")).items()
+    }
 
 
 TEMPLATES = templates_in(Path(__file__).with_name("templates.toml"), TESTS, POINTS)
@@ -284,28 +310,3 @@ def template(kind: str, filled: bool = False) -> str:
     Choice(tuple(TEMPLATES)).check("--kind", kind)
     chosen = TEMPLATES[kind]
     return chosen.text + "".join(f"{row}\n" for row in chosen.rows if filled)
-
-
-def _shown(shown: Template, name: str) -> str:
-    return shown.schema.column(name).base if shown.units else name
-
-
-def _comments(given: Template) -> Iterator[str]:
-    yield f"{given.title}. Then"
-    yield "    workbench data check FILE.csv"
-    yield f"    workbench {given.verb}"
-    yield "Lines above the header that begin with # are not read; an empty cell: not reported."
-    for title, names in (("Columns:", given.columns), ("Columns that help:", given.more)):
-        yield ""
-        yield title
-        wide = max(len(_shown(given, name)) for name in names)
-        for name in names:
-            column = given.schema.column(name)
-            rule = column.rule.allowed().removeprefix("must be ")
-            words = "" if isinstance(column.rule, Text) else f"; {rule}"
-            yield f"    {_shown(given, name):{wide}}  {column.meaning}{words}"
-    yield ""
-    yield from given.notes
-    yield ""
-    yield "Example:"
-    yield from (f"    {row}" for row in given.rows)

@@ -198,7 +198,11 @@ def fit_strength(
     }
     given = _problem(tests, chosen, tuple(trends), reference)
     estimate = fit_robust(given, loss)
-    left_out, new = tuple(_left_out(given)), None
+    left_out: tuple[LeftOut, ...] = ()
+    others = given.count - max(np.bincount(given.groups))  # than those of the largest campaign
+    if given.campaigns > 1 and others > len(given.names):
+        left_out = tuple(leave_one_campaign_out(given))
+    new = None
     if given.campaigns >= LEAST_CAMPAIGNS:
         lowest = predictive_quantile(estimate, estimate.problem, 0.05)
         new = float(np.exp(np.mean(lowest)))
@@ -250,13 +254,6 @@ def _problem(
     ratio, names = np.log(tests.quantity(model.load) / model.of(tests)), ("bias", *trends)
     start, design = np.zeros(len(names)), _design(tests, trends, reference)
     return problem(ratio, tests.campaign, None, names, start, design=design)
-
-
-def _left_out(given: Problem) -> list[LeftOut]:
-    if given.campaigns < 2:
-        return []
-    smallest = given.count - max(np.bincount(given.groups))
-    return leave_one_campaign_out(given) if smallest > len(given.names) else []
 
 
 def _d8(

@@ -52,15 +52,6 @@ def answers(study: Study, stored: Stored) -> Iterator[Answered]:
                 yield Answered(case.name, label, case.scenario.asked, tables, findings)
 
 
-def _stacked(every: list[Answered]) -> Tables:
-    """The tables of all answers, `of` the label, with their `case`."""
-    parts = (
-        (each.label, {key: table.assign(case=each.case) for key, table in each.tables.items()})
-        for each in every
-    )
-    return stacked(parts)
-
-
 def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
     """What is not validated, then one answer to each question; nothing for a study without studs.
 
@@ -70,51 +61,43 @@ def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
     every = list(answers(study, stored))
     if not every:
         return ()
-    tables = _stacked(every)
-    widest = _widest(every)
-    usual = (
-        {**row, "model": e.fit["model"]}
-        for e in widest
-        if "usual" in e.tables
-        for row in records(e.tables["usual"])
+    tables = stacked(
+        (each.label, {key: table.assign(case=each.case) for key, table in each.tables.items()})
+        for each in every
     )
-    tables["usual"] = pd.DataFrame(usual)
+    formulas = [each for each in every if "d8" in each.tables]
+    most = max((each.fit["tests"] for each in formulas), default=0)
+    widest = [each for each in formulas if each.fit["tests"] == most]  # fitted to most tests
+    usual = [e.tables["usual"].assign(model=e.fit["model"]) for e in widest if "usual" in e.tables]
+    tables["usual"] = pd.concat(usual) if usual else pd.DataFrame()
     shank = [f.text for f in widest[0].findings if f.subject == "shank"] if widest else []
     residual = [e for e in every if "left" in e.tables.get("curve", ())]
-    open_: dict[str, dict[str, None]] = {}
+    ungraded: dict[str, dict[str, None]] = {}
     for each in residual:
         if "judgement" not in each.tables:
-            open_.setdefault(each.fit["grade"], {})[each.fit["quantity"]] = None
+            ungraded.setdefault(each.fit["grade"], {})[each.fit["quantity"]] = None
+    combined = [e for e in every if e.asked == "interaction"]  # no table holds such a test?
+    tested = any("tests" in e.tables or "validation" in e.tables for e in combined)
     return page(
         "in_short",
         tables,
         confidence=_CONFIDENCE,
         widest=[_formula(each) for each in widest],
         shank_findings=shank,
-        ungraded={grade: list(quantities) for grade, quantities in open_.items()},
-        uncombined=_uncombined(every),
+        ungraded={grade: list(quantities) for grade, quantities in ungraded.items()},
+        uncombined=bool(combined) and not tested,
         gated=list(dict.fromkeys(gate.model for gate in study.gates)),
         predictions=_predictions([e for e in residual if not e.fit["tests"]]),
         same_predictions=list(_same(every)),
     )
 
 
-def _widest(every: list[Answered]) -> list[Answered]:
-    """The formulas as fitted to most tests."""
-    formulas = [each for each in every if "d8" in each.tables]
-    most = max((each.fit["tests"] for each in formulas), default=0)
-    return [each for each in formulas if each.fit["tests"] == most]
-
-
 def _formula(each: Answered) -> dict[str, Any]:
     """A formula as fitted to most tests: its summary, and what its tests say of it as it is."""
-    tests = each.tables["tests"]
-    usual = each.tables.get("usual")
-    near = (
-        0
-        if usual is None
-        else int((tests["diameter"] - usual["diameter"].iloc[0]).abs().le(_NEAR).sum())
-    )
+    tests, near = each.tables["tests"], 0
+    if "usual" in each.tables:
+        usual = each.tables["usual"]["diameter"].iloc[0]
+        near = int((tests["diameter"] - usual).abs().le(_NEAR).sum())
     return {
         **each.fit,
         "of": each.label,
@@ -123,13 +106,6 @@ def _formula(each: Answered) -> dict[str, Any]:
         "above_shank": int((tests["over_steel"] > 1.0).sum()),
         "gamma_m_star": records(each.tables["d8"])[0]["gamma_m_star"],
     }
-
-
-def _uncombined(every: list[Answered]) -> bool:
-    """Whether tension with shear was asked for, and no table holds a combined test."""
-    combined = [each for each in every if each.asked == "interaction"]
-    tests = ("tests" in each.tables or "validation" in each.tables for each in combined)
-    return bool(combined) and not any(tests)
 
 
 def _predictions(every: list[Answered]) -> dict[tuple[str, str, str], list[str]]:

@@ -4,6 +4,7 @@ The words and the columns of the tables stand in the template; what is left to c
 the tables.
 """
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from textwrap import wrap
 from typing import Any
@@ -26,30 +27,16 @@ LEVELS = (0.25, 0.5, 0.75, 1.0)  # of damage
 _GRADE_WIDTH = 30  # characters of a line
 
 
-class Row(dict[str, Any]):
-    """A row of a table; None for a column that it does not have."""
-
-    def __missing__(self, key: str) -> None:
-        return None
-
-
-class Rows(dict[str, list[Row]]):
-    """Rows of tables by name; no rows of a table that is not there."""
-
-    def __missing__(self, key: str) -> list[Row]:
-        return []
-
-    @classmethod
-    def of(cls, tables: Tables) -> "Rows":
-        """The rows of data frames."""
-        return cls({key: records(table) for key, table in tables.items()})
+Row = dict[str, Any]
 
 
 def records(table: pd.DataFrame) -> list[Row]:
-    """The rows of a data frame; None where nothing is known."""
+    """The rows of a data frame; None where nothing is known, and for a column that is not there."""
     frame = table.astype(object)
-    rows: list[dict[Any, Any]] = frame.where(frame.notna(), None).to_dict("records")
-    return [Row(row) for row in rows]
+    rows: list[Row] = frame.where(frame.notna(), None).to_dict(
+        "records", into=defaultdict(lambda: None)
+    )
+    return rows
 
 
 def page(part: str, tables: Tables, **values: Any) -> tuple[Block, ...]:
@@ -67,11 +54,11 @@ def page(part: str, tables: Tables, **values: Any) -> tuple[Block, ...]:
 
     words: Page = Page(
         __file__,
-        t=Rows.of(_shown(tables)),
+        t=defaultdict(list, {key: records(table) for key, table in _shown(tables).items()}),
         of=lambda rows, name: [row for row in rows if row["of"] == name],
         part=lambda macro, /, **more: words.blocks(macro, **more),
         table=table,
-        left_table=lambda: tuple(_left_table(tables)),
+        left_table=_left_table(tables),
         formulas=_sourced(FORMULAS),
         load_slip_laws=_sourced(LAWS),
         relations_of_damage=lambda: [(n, e.formula) for n, e in (RELATIONS | ANCHORED).items()],
@@ -153,10 +140,10 @@ def _shown(tables: Tables) -> Tables:
     return shown
 
 
-def _left_table(tables: Tables) -> Iterable[Block]:
+def _left_table(tables: Tables) -> Table | None:
     """What is left after damage at some levels, with the grade of the evidence."""
     if "curve" not in tables or "left" not in tables["curve"]:
-        return
+        return None
     curves, fits = tables["curve"].groupby("of", sort=False), records(tables["fit"])
     fits = [fit for fit in fits if fit["measure"]]
     top = max(float(curve["level"].max()) for _, curve in curves)
@@ -190,12 +177,7 @@ def _left_table(tables: Tables) -> Iterable[Block]:
         Column("relation", width=1.1, of="relation"),
         Column("grade", width=2.6, of=grade),
     )
-    caption = (
-        "Share that is left after damage, with its range: the band of a new test, or, for the "
-        "mechanical model, what its assumed parameters leave open. Level 1: what an undamaged stud "
-        "bears. Beyond the tested damage no test tells which relation goes on: no band is given."
-    )
-    yield Table.of("design-residual", caption, columns, fits)
+    return Table.of("design-residual", "", columns, fits)
 
 
 # -- the pages of a fit --------------------------------------------------------------------------

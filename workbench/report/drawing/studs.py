@@ -12,7 +12,6 @@ from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import INK, MUTED, Look, Style, entry, numbered
 from workbench.studs.fit_protocol import Tables
 from workbench.studs.model import tables_of
-from workbench.study.definition import Case
 
 KILO, MILLI = 1e-3, 1e3  # N to kN, m to mm
 _SIZE = 4.2  # of a test's marker
@@ -20,14 +19,28 @@ _EQUAL: Style = {"color": INK, "linewidth": 0.9}
 _BOUND: Style = {"color": MUTED, "linewidth": 0.7, "linestyle": ":"}
 
 
-def answered(request: Request, key: str, column: str) -> Iterator[tuple[Case, str, Tables]]:
-    """Every answer of the figure's cases and labels with a column in its table `key`."""
-    for case in request.cases:
-        for label in request.shown(case):
-            response = request.stored.response(case.name, label)
-            tables = {} if response is None else tables_of(response)
-            if column in tables.get(key, ()):
-                yield case, label, tables
+Source = Request | Mapping[str, Tables]  # a figure of a study, or the tables of fits by name
+
+
+def answered(source: Source, key: str, column: str) -> Iterator[tuple[str, str, Tables]]:
+    """Every answer with a column in its table `key`: name of its case, label, tables.
+
+    Of a study those of the figure's cases and labels; fits have no case (an empty name).
+    """
+    for case, label, tables in _answers(source):
+        if column in tables.get(key, ()):
+            yield case, label, tables
+
+
+def _answers(source: Source) -> Iterator[tuple[str, str, Tables]]:
+    if isinstance(source, Mapping):
+        yield from (("", label, tables) for label, tables in source.items())
+        return
+    for case in source.cases:
+        for label in source.shown(case):
+            response = source.stored.response(case.name, label)
+            if response is not None:
+                yield case.name, label, tables_of(response)
 
 
 def judged_tests(label: str, tables: Tables) -> pd.DataFrame:

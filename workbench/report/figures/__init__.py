@@ -6,6 +6,7 @@ A new kind is one line here and its function. The kinds are known without the li
 from __future__ import annotations
 
 import importlib
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from workbench.fields import Choice
@@ -49,12 +50,19 @@ def check_kind(kind: str) -> None:
     Choice(tuple(KINDS)).check("figure.kind", kind)
 
 
+def plot_of(kind: str) -> Callable[..., Drawing]:
+    """The function that draws a kind of figure. Raises `InputError` for an unknown one."""
+    check_kind(kind)
+    module, name = KINDS[kind].split(".")
+    plot: Callable[..., Drawing] = getattr(importlib.import_module(f"{__name__}.{module}"), name)
+    return plot
+
+
 def draw(request: Request) -> Drawing:
     """Draw a figure in the house style. Raises `InputError` for an unknown kind."""
     from workbench.report.drawing.sheet import drawn, nothing
 
-    check_kind(request.figure.kind)
+    plot = plot_of(request.figure.kind)
     if not request.cases:
         return nothing("No case of the study names this figure.")
-    module, name = KINDS[request.figure.kind].split(".")
-    return drawn(getattr(importlib.import_module(f"{__name__}.{module}"), name), request)
+    return drawn(plot, request)

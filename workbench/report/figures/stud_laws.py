@@ -1,11 +1,11 @@
 """Laws of studs with the tests behind them: load and slip, what is left, tension with shear.
 
-Options: `cases`. Of load-slip curves the first case with answers counts; of what is left after
-damage each case is a row, and every panel carries the grade of its evidence.
+Of a study, or of the tables of fits by their names. Options: `cases`. Of load-slip curves the first
+case with answers counts; of what is left after damage each case is a row, and every panel carries
+the grade of its evidence.
 """
 
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -33,16 +33,14 @@ _FITTED: Style = {"color": "#8a8a8a", "linestyle": "none", "marker": ".", "marke
 _FEW = 5
 
 
-def curves(request: Request) -> Drawing:
-    """One panel per law: median, band, fitted curves in grey, unseen ones in colour."""
-    answers = {label: tables for _, label, tables in studs.answered(request, "grid", "median")}
+def curves(source: studs.Source) -> Drawing:
+    """One panel per law: median, band, fitted curves in grey, unseen ones in colour.
+
+    All are drawn over the points of the first.
+    """
+    answers = {label: tables for _, label, tables in studs.answered(source, "grid", "median")}
     if not answers:
         return nothing("No load-slip law has answered these cases.")
-    return curves_of(answers)
-
-
-def curves_of(answers: Mapping[str, Tables]) -> Drawing:
-    """The tables of laws by their labels; all are drawn over the points of the first."""
     points = next(iter(answers.values()))["points"]
     fitted, unseen = (_curves(points[points["unseen"] == new]) for new in (False, True))
     # the colour of the law is not used again
@@ -131,35 +129,26 @@ AXES = {
 }
 
 
-def left(request: Request) -> Drawing:
-    """A panel per quantity and measure of damage; every panel carries its grade."""
-    answers = list(studs.answered(request, "curve", "left"))
+def left(source: studs.Source) -> Drawing:
+    """A row for each case, or quantity of fits, and a column for each label, or stud of fits.
+
+    Every panel carries its grade.
+    """
+    answers = []
+    for case, label, tables in studs.answered(source, "curve", "left"):
+        fit = tables["fit"].iloc[0]
+        stud = fit["stud"] or f"{fit['predamage']}, {fit['measure']}"
+        place = (case, label) if case else (fit["quantity"], stud)
+        answers.append((*place, fit, tables))
     if not answers:
         return nothing("No residual capacity has been answered in these cases.")
-    return _left_drawn([(case.name, label, tables) for case, label, tables in answers])
-
-
-def left_of(answers: Mapping[str, Tables]) -> Drawing:
-    """The tables of answers: a row for every quantity, a column for every stud."""
-    fits = {name: tables["fit"].iloc[0] for name, tables in answers.items()}
-    studs_of = {
-        n: fit["stud"] or f"{fit['predamage']}, {fit['measure']}" for n, fit in fits.items()
-    }
-    return _left_drawn(
-        [(fits[n]["quantity"], studs_of[n], tables) for n, tables in answers.items()]
-    )
-
-
-def _left_drawn(answers: Sequence[tuple[str, str, Tables]]) -> Drawing:
-    """A row for each case and a column for each label, of which the tables are given."""
-    cases = list(dict.fromkeys(case for case, _, _ in answers))
-    labels = list(dict.fromkeys(label for _, label, _ in answers))
+    cases = list(dict.fromkeys(case for case, *_ in answers))
+    labels = list(dict.fromkeys(label for _, label, *_ in answers))
     sheet = Sheet.table(len(cases), len(labels), 2.55 * len(cases) + 0.6, sharey="row")
-    tests = [tables.get("tests", _NONE) for _, _, tables in answers]
+    tests = [tables.get("tests", _NONE) for *_, tables in answers]
     looks = studs.campaign_looks(pd.concat(tests)["campaign"], filled=True)
-    for case, label, tables in answers:
-        place = cases.index(case) * len(labels) + labels.index(label)
-        panel, fit = sheet.panels[place], tables["fit"].iloc[0]
+    for case, label, fit, tables in answers:
+        panel = sheet.panels[cases.index(case) * len(labels) + labels.index(label)]
         sheet.record(case=case, label=label, **_left_panel(panel, fit, tables["curve"]))
         studs.draw_tests(panel, tables.get("tests", _NONE), "level", "ratio", looks)
         panel.set_xlabel(AXES.get(fit["measure"], f"damage ({fit['measure']})"))
@@ -172,11 +161,10 @@ def _left_drawn(answers: Sequence[tuple[str, str, Tables]]) -> Drawing:
     for panel in sheet.panels:
         if not panel.lines:
             panel.remove()
-    fits = [(tables["fit"].iloc[0], tables["curve"]) for _, _, tables in answers]
-    for fit, curve in sorted(fits, key=lambda each: not each[0]["validated"]):
+    for *_, fit, tables in sorted(answers, key=lambda answer: not answer[2]["validated"]):
         names = "what is left", _BANDS[bool(fit["tests"])]
         entries = studs.band_entries(_COLORS[bool(fit["validated"])], *names)
-        sheet.legend(*entries[: 2 if curve["low"].notna().any() else 1])
+        sheet.legend(*entries[: 2 if tables["curve"]["low"].notna().any() else 1])
     sheet.legend(*studs.test_entries(looks, "tests"))
     return sheet.finish(f"residual capacity of a stud against damage: {', '.join(cases)}")
 
@@ -207,54 +195,39 @@ def _left_sentence(fit: pd.Series, curve: pd.DataFrame) -> str:
 
 # -- tension and shear together -------------------------------------------------------------------
 
-Curve = tuple[str, Style, pd.DataFrame]  # label, how it is drawn, tension and shear
 
-
-def interaction(request: Request) -> Drawing:
-    """Tension across, shear up, both over what the stud bears alone."""
-    answers = list(studs.answered(request, "curve", "tension"))
+def interaction(source: studs.Source) -> Drawing:
+    """Tension across, shear up, both over what the stud bears alone; of a fit with the codes."""
+    answers = list(studs.answered(source, "curve", "tension"))
     if not answers:
         return nothing("No interaction of tension and shear has answered these cases.")
-    curves, statements = [], []
+    sheet = Sheet.table(1, 1, 3.7)
+    panel, names = sheet.panel, []
+
+    def draw(name: str, tension: pd.Series, shear: pd.Series, style: Style) -> None:
+        panel.plot(tension, shear, **style)
+        sheet.legend(entry(name, **style))
+        sheet.record(label=name, tension_ratio=tension, shear_ratio=shear)
+        names.append(name)
+
+    def law_style(law: str, width: float) -> Style:
+        return {"color": INK, "linestyle": INTERACTIONS[law].line, "linewidth": width}
+
     for _, label, tables in answers:
-        law, stud = tables["fit"].iloc[0][["law", "stud"]]
-        style = _law_style(law, 1.2)
-        if law not in INTERACTIONS:
-            look = request.looks[label]
+        fit, curve = tables["fit"].iloc[0], tables["curve"]
+        if fit["law"] in INTERACTIONS:
+            style = law_style(fit["law"], 1.2)
+        elif isinstance(source, Request):
+            look = source.looks[label]
             style = {"color": look.color, "linestyle": "-", "marker": look.marker}
             style |= {"linewidth": 1.2, "markersize": 4.5, "zorder": 3}
-            statements.append(f"{label}: stud {stud}.")
-        curves.append((label, style, tables["curve"]))
-    tests = (tables["tests"] for _, _, tables in answers if "tests" in tables)
-    return _interaction_drawn(curves, next(tests, pd.DataFrame()), statements)
-
-
-def interaction_of(answers: Mapping[str, Tables]) -> Drawing:
-    """A fitted law with its tests, and the laws of the codes."""
-    (tables,) = answers.values()
-    style: Style = {"color": PALETTE[0], "linewidth": 1.8, "zorder": 3}
-    curves = [("fitted", style, tables["curve"])]
-    for name in INTERACTIONS:
-        law = tables["curve"].assign(shear=tables["curve"][name])
-        curves.append((name, _law_style(name, 1.0), law))
-    return _interaction_drawn(curves, tables["tests"])
-
-
-def _law_style(law: str, width: float) -> Style:
-    line = INTERACTIONS[law].line if law in INTERACTIONS else "-"
-    return {"color": INK, "linestyle": line, "linewidth": width}
-
-
-def _interaction_drawn(
-    curves: list[Curve], tests: pd.DataFrame, statements: Iterable[str] = ()
-) -> Drawing:
-    sheet = Sheet.table(1, 1, 3.7)
-    sheet.notes += statements
-    panel = sheet.panel
-    for label, style, curve in curves:
-        panel.plot(curve["tension"], curve["shear"], **style)
-        sheet.legend(entry(label, **style))
-        sheet.record(label=label, tension_ratio=curve["tension"], shear_ratio=curve["shear"])
+            sheet.notes.append(f"{label}: stud {fit['stud']}.")
+        else:
+            label, style = "fitted", {"color": PALETTE[0], "linewidth": 1.8, "zorder": 3}
+        draw(label, curve["tension"], curve["shear"], style)
+        for law in (law for law in INTERACTIONS if law in curve):
+            draw(law, curve["tension"], curve[law], law_style(law, 1.0))
+    tests = next((tables["tests"] for *_, tables in answers if "tests" in tables), pd.DataFrame())
     if tests.empty:
         words = "no combined test in the tables:\nnothing here is validated"
         framed(panel, 0.06, 0.06, words, WARNING, fontsize=8.0)
@@ -268,5 +241,5 @@ def _interaction_drawn(
     panel.set(xlim=(0.0, 1.08), ylim=(0.0, 1.08))
     panel.set_aspect("equal")
     sheet.name(panel, "", "tension over pull-out resistance", "shear over shear resistance")
-    names = ", ".join(label for label, *_ in curves)
-    return sheet.finish(f"interaction of tension and shear by {names}", beside="upper", width=0.9)
+    alt = f"interaction of tension and shear by {', '.join(names)}"
+    return sheet.finish(alt, beside="upper", width=0.9)

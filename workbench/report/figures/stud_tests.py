@@ -1,7 +1,7 @@
 """Tests on studs against what formulas and the mechanical stud predict.
 
-Options: `cases`; the first case that a label answers counts, tests that its fit had not seen are
-filled.
+Of a study, or of the tables of fits by their names. Options: `cases`; the first case that a label
+answers counts, tests that its fit had not seen are filled.
 """
 
 from collections.abc import Mapping
@@ -30,19 +30,16 @@ from workbench.studs.model import tables_of
 _NAMED_BELOW = 0.85  # of the prediction: such a test is named
 
 
-def scatter(request: Request) -> Drawing:
+def scatter(source: studs.Source) -> Drawing:
     """Measured strength up, predicted strength across; below the line a prediction is unsafe."""
-    answers: dict[str, Tables] = {}
-    for key, column in (("fit", "bias"), ("fit", "basis")):
-        for _, label, tables in studs.answered(request, key, column):
-            answers.setdefault(label, tables)
-    if not answers:
+    first: dict[str, Tables] = {}
+    for column in ("bias", "basis"):
+        for _, label, tables in studs.answered(source, "fit", column):
+            first.setdefault(label, tables)
+    if not first:
         return nothing("No formula of shear strength has answered these cases.")
-    return scatter_of({label: answers[label] for label in request.labels if label in answers})
-
-
-def scatter_of(answers: Mapping[str, Tables]) -> Drawing:
-    """The tables of formulas by their labels."""
+    labels = source.labels if isinstance(source, Request) else source
+    answers = {label: first[label] for label in labels if label in first}
     tests = pd.concat([studs.judged_tests(*each) for each in answers.items()])
     tests = tests.drop(columns="ratio")
     looks = studs.campaign_looks(tests["campaign"])
@@ -111,17 +108,13 @@ _FEW_VALUES = 4  # values of a variable below which a trend cannot be told
 _TICKS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.2, 1.4, 1.6, 2.0)
 
 
-def residuals(request: Request) -> Drawing:
-    """One panel per variable, the ratio on a logarithmic scale."""
-    for case, label, tables in studs.answered(request, "tests", "over_steel"):
-        return residuals_of({f"{label}, case {case.name}": tables})
-    return nothing("No formula of shear strength has answered these cases.")
-
-
-def residuals_of(answers: Mapping[str, Tables]) -> Drawing:
-    """The tests of the first of the formulas, by their labels, with ratios and variables."""
-    label, tables = next(iter(answers.items()))
-    tests = tables["tests"]
+def residuals(source: studs.Source) -> Drawing:
+    """One panel per variable, the ratio on a logarithmic scale, for the first of the formulas."""
+    answer = next(studs.answered(source, "tests", "over_steel"), None)
+    if answer is None:
+        return nothing("No formula of shear strength has answered these cases.")
+    case, label, tables = answer
+    label, tests = f"{label}, case {case}" if case else label, tables["tests"]
     looks = studs.campaign_looks(tests["campaign"])
     sheet = Sheet.grid(len(VARIABLES), [f"{label}: {len(tests)} tests."], height=2.0)
     poor = []

@@ -10,8 +10,7 @@ The flange turns nothing and moves with the base along x. While it rests on the 
 head closes over the contact, so that the cone is not loaded; when the flange is lifted, it is.
 """
 
-from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,8 +35,7 @@ AXIAL, LATERAL = 0, 1  # component u along the stud, v across it
 GROUND = -1
 
 
-@dataclass(frozen=True, slots=True)
-class Link:
+class Link(NamedTuple):
     """One link: nodes and component it joins, law and parameters.
 
     `grounded`: the link joins the first node to the ground, and the second is only a neighbour of
@@ -94,17 +92,16 @@ class Links(ElementGroup):
     def place(self, bars: Bars) -> None:
         """Take its place in a structure; links have no length."""
         super().place(bars)
-        component = np.array([link.component for link in self.links])
-        grounded = np.array([link.grounded for link in self.links])
-        rows = np.arange(len(self.links))
+        columns: Any = Link._make(map(np.array, zip(*self.links, strict=True)))
+        rows, near, far = np.arange(len(self.links)), columns.component, 3 + columns.component
+        laws = (columns.stiffness, columns.strength, columns.peak, columns.end)
         self._tables = LinkTables(
-            bars.dofs[rows, component],
-            np.where(grounded, GROUND, bars.dofs[rows, 3 + component]),
-            np.array([link.sign for link in self.links]),
-            np.array([link.law for link in self.links], dtype=np.int64),
-            np.array([[k.stiffness, k.strength, k.peak, k.end] for k in self.links]),
+            bars.dofs[rows, near],
+            np.where(columns.grounded, GROUND, bars.dofs[rows, far]),
+            columns.sign,
+            columns.law,
+            np.column_stack(laws),
         )
-        near, far = component, 3 + component
         entry = np.stack([7 * near, 6 * near + far, 6 * far + near, 7 * far], axis=1)
         self._chosen: Indices = bars.positions[rows[:, None], entry]
 

@@ -183,9 +183,9 @@ def deleted_residuals(estimate: Estimate) -> Array:
         return np.zeros(given.count)
     z = whiten(given, given.y - given.predict(estimate.theta), estimate.ratio)
     j = whiten(given, jacobian(given, estimate.theta, free), estimate.ratio)
-    open_ = 1.0 - np.einsum("ni,ij,nj->n", j, np.linalg.pinv(j.T @ j), j)
-    known = open_ > 1e-9  # others say something of it
-    square = np.where(known, z**2 / np.where(known, open_, 1.0), 0.0)
+    rest = 1.0 - np.einsum("ni,ij,nj->n", j, np.linalg.pinv(j.T @ j), j)
+    known = rest > 1e-9  # others say something of it
+    square = np.where(known, z**2 / np.where(known, rest, 1.0), 0.0)
     floor = (ROUND_OFF * max(1.0, float(np.max(np.abs(given.y))))) ** 2
     others = np.maximum((z @ z - square) / nu, floor)
     return np.asarray(np.sign(z) * np.sqrt(square / others))
@@ -274,8 +274,8 @@ def rank_scatters(tests: pd.DataFrame, confidence: float) -> pd.DataFrame:
         row = {"of": str(left.columns[k]), "apart": False}
         if nu > 0 and squares[best] > _EQUAL:
             ratio = float(np.sqrt(squares[k] / squares[best]))
-            open_ = max(1.0 - products[k, best] ** 2 / (squares[k] * squares[best]), 0.0)
-            wide = 1.0 + 2.0 * open_ * float(stdtrit(nu, 0.5 + 0.5 * confidence)) ** 2 / nu
+            unshared = max(1.0 - products[k, best] ** 2 / (squares[k] * squares[best]), 0.0)
+            wide = 1.0 + 2.0 * unshared * float(stdtrit(nu, 0.5 + 0.5 * confidence)) ** 2 / nu
             factor = float(np.sqrt(wide + np.sqrt(wide**2 - 1.0)))
             ends = {"low": ratio / factor, "high": ratio * factor}
             row |= {"ratio": ratio, **ends, "apart": ratio / factor > LIKE}
