@@ -84,4 +84,4 @@ def test_the_population_of_load_slip_curves_is_not_trimmed() -> None:
     fit = fit_load_slip(shipped("stud-load-slip"), "ollgaard")
     population = fit.population["rate"]
     spread = np.hypot(population.sigma.value, population.tau.value)
-    assert spread == pytest.approx(np.std(fit.logarithms[:, 0], ddof=1), rel=0.02)
+    assert spread == pytest.approx(np.std(np.log(fit.rows["rate"]), ddof=1), rel=0.02)

@@ -200,11 +200,6 @@ class Fit(ABC):
         """The identity of its rows."""
         return identity_of(self.rows)
 
-    @property
-    @abstractmethod
-    def name(self) -> str:
-        """What it is called among others: its formula, law or quantity."""
-
     @abstractmethod
     def summary(self) -> Summary:
         """The answer, its size and its grade: one row of a table."""

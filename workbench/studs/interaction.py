@@ -129,7 +129,7 @@ class InteractionFit(Fit):
     fitted: Fitted
     laws: tuple[tuple[str, Judgement], ...]
     grade: str
-    name: ClassVar[str] = "power"
+    law: ClassVar[str] = "power"
     figures: ClassVar[tuple[str, ...]] = ("stud-interaction",)
 
     @property
@@ -151,7 +151,7 @@ class InteractionFit(Fit):
     def summary(self) -> Summary:
         """The exponent with its interval and scatters."""
         return {
-            "law": self.name,
+            "law": self.law,
             **self.fitted.parameters["exponent"].columns("exponent"),
             **self.fitted.scatters,
             **counted(self.rows),

@@ -109,7 +109,7 @@ def _formula(
 def load_slip(fitted: Rows, held: Rows, laws: Sequence[str] | None = None, **how: Any) -> Tables:
     """Load-slip laws (None: all), and the points that they are drawn over; see `fit_load_slip`."""
     fits = (fit_load_slip(fitted, name, **how) for name in laws or LAWS)
-    tables = stacked((fit.name, known_of(fit, held, how.get("confidence", 0.9))) for fit in fits)
+    tables = stacked((fit.law, known_of(fit, held, how.get("confidence", 0.9))) for fit in fits)
     return {**tables, "points": points_of(fitted, held)}
 
 
@@ -149,7 +149,10 @@ def residual(
     single = len({fit.stud for fit, _ in fits}) == 1
     confidence = how.get("confidence", 0.9)
     tables = stacked(
-        (fit.name if single else f"{fit.name}, {fit.stud}", known_of(fit, judging, confidence))
+        (
+            fit.quantity if single else f"{fit.quantity}, {fit.stud}",
+            known_of(fit, judging, confidence),
+        )
         for fit, judging in fits
     )
     return {**tables, "not_fitted": _reasons(refusals)}
@@ -158,7 +161,7 @@ def residual(
 def interaction(fitted: Rows, held: Rows, **how: Any) -> Tables:
     """The exponent of tension with shear, and the laws of the codes; see `fit_interaction`."""
     fit = fit_interaction(fitted, **how)
-    return stacked([(fit.name, known_of(fit, held, how.get("confidence", 0.9)))])
+    return stacked([(fit.law, known_of(fit, held, how.get("confidence", 0.9)))])
 
 
 MOST_STUDS = 4  # of a table, that the mechanical model computes one by one

@@ -127,21 +127,17 @@ class LoadSlipFit(Fit):
     law, strength (N), chord stiffness (N/m); `population`, the median of each parameter over the
     curves and the scatters of its logarithm; `coverage`, share of the points of left-out ``curves``
     and ``campaigns`` inside the band of the others, None where they are too few; parameters `held`;
-    `logarithms` (curves, p) behind it; `skipped`, curves that were not fitted, and why.
+    `laws` of the curves, the bilinear one without its end; `skipped`, curves that were not fitted,
+    and why.
     """
 
-    law_name: str
+    law: str
     population: dict[str, Fitted]
     coverage: dict[str, float | None]
     held: dict[str, float]
-    logarithms: Array
+    laws: tuple[Law, ...]
     skipped: tuple[str, ...]
     figures: ClassVar[tuple[str, ...]] = ("stud-curves",)
-
-    @property
-    def name(self) -> str:
-        """The name of the law."""
-        return self.law_name
 
     @property
     def medians(self) -> dict[str, float]:
@@ -154,7 +150,7 @@ class LoadSlipFit(Fit):
 
         A slip capacity is no matter of the shape: EN 1994-1-1 B.2 evaluates it (`evaluate_series`).
         """
-        return LAWS[self.law_name].fitted(self.medians, ENDLESS)
+        return LAWS[self.law].fitted(self.medians, ENDLESS)
 
     def band(self, slip: ArrayLike, share: float = 0.9) -> tuple[Array, Array]:
         """Load ratios (n,) that hold a `share` of the points of a further curve, at slips (m).
@@ -163,14 +159,13 @@ class LoadSlipFit(Fit):
         curves, with the misfit of their points, make one distribution; its quantiles are those of
         the order statistics of n curves (below 20 curves: at most the extremes).
         """
-        laws = _laws(self.law_name, tuple(self.population), self.logarithms, self.held)
-        ratios = np.array([law.ratio(np.asarray(slip, float)) for law in laws])
+        ratios = np.array([law.ratio(np.asarray(slip, float)) for law in self.laws])
         return _bounds(ratios, _spread(self.rows, len(self.population)), share)
 
     def summary(self) -> Summary:
         """The law, how well it fits, and what its band holds of left-out curves and campaigns."""
         return {
-            "law": self.law_name,
+            "law": self.law,
             **counted(self.rows, "curves"),
             **{f"coverage_of_{kind}": share for kind, share in self.coverage.items()},
             "median_rms": float(self.rows["rms"].median()),
@@ -186,7 +181,7 @@ class LoadSlipFit(Fit):
             n: p.parameters["median"].columns() | p.scatters for n, p in self.population.items()
         }
         held = {name: {"value": value} for name, value in self.held.items()}
-        bounds = LAWS[self.law_name].bounds
+        bounds = LAWS[self.law].bounds
         parameters = [
             {"parameter": n, **row, "unit": bounds[n].unit, "factor": bounds[n].factor}
             for n, row in (free | held).items()
@@ -249,24 +244,18 @@ def fit_load_slip(
     for parameter, values in zip(names, logarithms.T, strict=True):
         estimate = fit(location(values, curves["campaign"].to_numpy(str)))
         population[parameter] = fitted(estimate, ("median",), confidence=confidence)
-    laws = _laws(law, names, logarithms, fixed)
-    covered = _coverage(laws, measured, curves, len(names), confidence)
+    free = (dict(zip(names, row, strict=True)) for row in np.exp(logarithms).tolist())
+    laws = tuple(kind.fitted({**each, **fixed}, ENDLESS) for each in free)
     return LoadSlipFit(
-        law_name=law,
+        law=law,
         population=population,
-        coverage=covered,
+        coverage=_coverage(laws, measured, curves, len(names), confidence),
         held=fixed,
-        logarithms=logarithms,
+        laws=laws,
         skipped=tuple(skipped),
         rows=curves,
         findings=(*suspicions_of_points(points), *_findings(curves)),
     )
-
-
-def _laws(law: str, names: tuple[str, ...], logarithms: Array, held: dict[str, float]) -> list[Law]:
-    """The law of every curve, without the end of the bilinear law."""
-    free = (dict(zip(names, np.exp(row).tolist(), strict=True)) for row in logarithms)
-    return [LAWS[law].fitted({**each, **held}, ENDLESS) for each in free]
 
 
 def _spread(curves: pd.DataFrame, parameters: int) -> Array:
@@ -285,7 +274,7 @@ def _bounds(ratios: Array, spread: Array, share: float) -> tuple[Array, Array]:
 
 
 def _coverage(
-    laws: list[Law],
+    laws: tuple[Law, ...],
     measured: list[tuple[Array, Array]],
     curves: pd.DataFrame,
     parameters: int,

@@ -86,11 +86,6 @@ class ResidualFit(Fit):
     figures: ClassVar[tuple[str, ...]] = ("stud-guideline",)
 
     @property
-    def name(self) -> str:
-        """The quantity."""
-        return self.quantity
-
-    @property
     def parameters(self) -> dict[str, float]:
         """Parameters of the relation."""
         return {} if self.fitted is None else self.fitted.estimates

@@ -88,11 +88,6 @@ class StrengthFit(Fit):
     kept: pd.DataFrame
     figures: ClassVar[tuple[str, ...]] = ("stud-scatter", "stud-residuals")
 
-    @property
-    def name(self) -> str:
-        """The name of the formula."""
-        return self.model.name
-
     @cached_property
     def identity(self) -> RowIdentity:
         """The identity of the rows of the table."""
@@ -144,7 +139,7 @@ class StrengthFit(Fit):
         """The median of test over prediction, its scatters, what they rest on."""
         names = ("new_campaign_factor", "measurement", "model_scatter", "grade", "holds", "slab")
         return {
-            **{"model": self.name, "title": self.model.title, "load": self.model.load},
+            **{"model": self.model.name, "title": self.model.title, "load": self.model.load},
             **counted(self.rows),
             **self.fitted.parameters["bias"].columns("bias"),
             **self.fitted.scatters,
