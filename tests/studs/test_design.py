@@ -146,7 +146,7 @@ def test_the_exponent_is_found_again(exponent: float) -> None:
     if own:
         assert medians[own] == pytest.approx(1.0, abs=1e-3)
     noisy = fit_interaction(combined(exponent, 0.04))
-    interval = noisy.fitted.parameters["exponent"].profile
+    interval = noisy.fitted.parameters["exponent"]
     assert interval.low is not None
     assert interval.high is not None
     assert interval.low < exponent < interval.high

@@ -151,7 +151,7 @@ def test_population_counts_curves_not_points(curves: pd.DataFrame) -> None:
     assert fit.summary()["campaigns"] == "lehigh279, mcgarraugh1971, provines2019"
     for found in fit.population.values():
         median = found.parameters["median"]
-        assert median.profile.low < median.value < median.profile.high
+        assert median.low < median.value < median.high
     dense = curves[(curves["specimen"] == "P4") & (curves["use_for_fit"] == 1.0)]
     repeated = pd.concat([curves, dense, dense], ignore_index=True)
     again = fit_load_slip(repeated)

@@ -74,8 +74,8 @@ def test_the_power_relation_is_chosen_and_recovered(damaged: Maker, c: float, p:
     assert fit.relation.name == "power"
     assert fit.fitted is not None
     found = fit.fitted.parameters
-    assert found["c"].profile.low < c < found["c"].profile.high
-    assert found["p"].profile.low < p < found["p"].profile.high
+    assert found["c"].low < c < found["c"].high
+    assert found["p"].low < p < found["p"].high
     low, high = fit.band([0.2, 0.8])
     assert np.all((low < fit.left([0.2, 0.8])) & (fit.left([0.2, 0.8]) < high))
 

@@ -143,7 +143,7 @@ def test_a_criterion_with_kinks_does_not_end_a_fit() -> None:
     fitted = fit_residual(table).fitted
     assert fitted is not None
     for each in fitted.parameters.values():
-        assert each.profile.low <= each.value <= each.profile.high
+        assert each.low <= each.value <= each.high
 
 
 def test_a_second_valley_does_not_end_an_interval_of_the_scatters() -> None:

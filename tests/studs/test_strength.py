@@ -51,9 +51,9 @@ def texts(fit: StrengthFit) -> list[str]:
 def test_bias_and_scatters_are_recovered() -> None:
     fit = fit_strength(campaigns_of("roik-mean", 20, bias=0.75), "roik-mean")
     bias = fit.fitted.parameters["bias"]
-    assert bias.profile.low < 0.75 < bias.profile.high
-    assert fit.fitted.sigma.profile.low < 0.06 < fit.fitted.sigma.profile.high
-    assert fit.fitted.tau.profile.low < 0.08 < fit.fitted.tau.profile.high
+    assert bias.low < 0.75 < bias.high
+    assert fit.fitted.sigma.low < 0.06 < fit.fitted.sigma.high
+    assert fit.fitted.tau.low < 0.08 < fit.fitted.tau.high
     assert np.mean([each.covered for each in fit.left_out]) > 0.8
     # 5 % fractile of a new campaign: 0.75 exp(-1.645 x 0.1) = 0.636 with scatters known
     assert 0.58 < fit.new_campaign_factor < 0.65  # measured 0.605
@@ -75,8 +75,8 @@ def test_a_missing_trend_is_found() -> None:
     table = campaigns_of("ollgaard", 10, trend=-0.2)
     fit = fit_strength(table, "ollgaard", trends=("concrete_strength",))
     trend = fit.fitted.parameters["concrete_strength"]
-    assert trend.profile.low < -0.2 < trend.profile.high
-    assert trend.profile.high < 0.0
+    assert trend.low < -0.2 < trend.high
+    assert trend.high < 0.0
     with pytest.raises(InputError, match="trends"):
         fit_strength(table, trends=("colour",))
 
@@ -143,7 +143,7 @@ def test_shipped_tests_are_judged_with_their_caveats(push_outs: pd.DataFrame) ->
     # calibrated on this one campaign, a formula would give 1.5 times the Eurocode mean
     only = fit_strength(push_outs[push_outs["campaign"] == "provines2019"], "en1994")
     assert only.bias == pytest.approx(1.5, abs=7e-3)  # measured 0.0031
-    assert only.fitted.tau.profile.high is None
+    assert only.fitted.tau.high is None
     content = json.dumps(plain({"fit": fit.summary(), **fit.tables()}), allow_nan=False)
     assert "new_campaign_factor" in content
 
@@ -178,7 +178,7 @@ def test_factors_are_recovered_and_refused_without_influence() -> None:
     assert 0.1 < np.mean(steel < concrete) < 0.9  # both govern some tests
     for name, truth in (("concrete", 0.374), ("steel", 1.0)):
         found = fit.parameters[name]
-        assert found.profile.low < truth < found.profile.high
+        assert found.low < truth < found.high
         assert found.value == pytest.approx(truth, rel=0.03)  # measured 0.014
     weak = table.assign(fcm_MPa=15.0)
     with pytest.raises(InputError, match=r"steel = .*has no influence"):

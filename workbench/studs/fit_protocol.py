@@ -96,29 +96,25 @@ def outlier_findings(
 
 
 class Parameter(NamedTuple):
-    """A fitted parameter, or a standard deviation, and its profile interval."""
+    """A fitted parameter, or a standard deviation, and its profile interval (None: open)."""
 
     value: float
-    profile: Interval
+    low: float | None
+    high: float | None
 
-    def columns(self, name: str = "value") -> Summary:
-        """Its value under a name, and the ends of its interval, as columns of a table."""
-        low, high = ("low", "high") if name == "value" else (f"{name}_low", f"{name}_high")
-        return {name: self.value, low: self.profile.low, high: self.profile.high}
+    def columns(self, name: str) -> Summary:
+        """Its value under a name, and the ends of its interval, as columns of a summary."""
+        return dict(zip((name, f"{name}_low", f"{name}_high"), self, strict=True))
 
 
 @dataclass(frozen=True)
 class Fitted:
-    """The parameters of an estimate by name; `confidence` of all intervals.
-
-    `sigma` and `tau`: scatter within and between campaigns.
-    """
+    """The parameters of an estimate by name; scatter within (`sigma`), between campaigns (`tau`)."""
 
     estimate: Estimate
     parameters: dict[str, Parameter]
     sigma: Parameter
     tau: Parameter
-    confidence: float
 
     @property
     def estimates(self) -> dict[str, float]:
@@ -139,7 +135,7 @@ class Fitted:
     @property
     def table(self) -> pd.DataFrame:
         """One row per parameter: `parameter`, `value`, `low`, `high`."""
-        rows = [{"parameter": n, **each.columns()} for n, each in self.parameters.items()]
+        rows = [{"parameter": n, **each._asdict()} for n, each in self.parameters.items()]
         return pd.DataFrame(rows, columns=["parameter", "value", "low", "high"])
 
 
@@ -154,10 +150,10 @@ def fitted(estimate: Estimate, logarithms: Collection[str] = (), *, confidence: 
         value, profile = estimate.parameter(name), profile_interval(estimate, name, confidence)
         if name in logarithms:
             value, profile = float(np.exp(value)), profile.exponential()
-        parameters[name] = Parameter(value, profile)
+        parameters[name] = Parameter(value, *profile)
     ends = scatter_intervals(estimate, confidence)
-    sigma, tau = (Parameter(getattr(estimate, n), ends[n]) for n in ("sigma", "tau"))
-    return Fitted(estimate, parameters, sigma, tau, confidence)
+    sigma, tau = (Parameter(getattr(estimate, n), *ends[n]) for n in ("sigma", "tau"))
+    return Fitted(estimate, parameters, sigma, tau)
 
 
 class Scalar(NamedTuple):

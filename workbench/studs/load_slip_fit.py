@@ -178,7 +178,7 @@ class LoadSlipFit(Fit):
     def tables(self, confidence: float = 0.9) -> Tables:
         """Parameters with scatters of their logarithms, curves, median and band over the slip."""
         free = {
-            n: p.parameters["median"].columns() | p.scatters for n, p in self.population.items()
+            n: p.parameters["median"]._asdict() | p.scatters for n, p in self.population.items()
         }
         held = {name: {"value": value} for name, value in self.held.items()}
         bounds = LAWS[self.law].bounds
