@@ -109,7 +109,7 @@ class Parameter(NamedTuple):
 
 @dataclass(frozen=True)
 class Fitted:
-    """The parameters of an estimate by name; scatter within (`sigma`), between campaigns (`tau`)."""
+    """Parameters of an estimate by name; scatter within (`sigma`), between campaigns (`tau`)."""
 
     estimate: Estimate
     parameters: dict[str, Parameter]
