@@ -334,10 +334,8 @@ study = Study(
     name="thesis_column",
     title="Impacted HEB 220 columns: reduced models against published numbers and a reference",
     question=(
-        "How well do the four-DOF column, the SDOF column and the energy estimate of Heng (2017) "
-        "predict peak and residual displacement of an impacted steel column, as published, against "
-        "distributed plasticity and against references whose webs yield in shear, and what do they "
-        "cost?"
+        "How far can the four-DOF column, the SDOF column and the energy estimate of Heng (2017) "
+        "be trusted where webs yield in shear, and at what cost?"
     ),
     cases=cases,
     models=models,

@@ -39,7 +39,7 @@ _FOLDED = (
 )
 _VARYING = ("cost",)  # kinds whose picture differs from machine to machine
 _MOST_PICTURES = 8
-_EXPLORE = "Explore the stored answers: sliders, histories, deformed shapes"
+_EXPLORE = "Explore the stored answers"
 
 
 def build_report(
@@ -124,7 +124,6 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
     sections = tuple(part for part in parts if part is not None)
     facts = (
         f"{count(len(study.cases), 'case')}, {count(len(study.models), 'model')}",
-        f"{'references' if len(study.ranked) > 1 else 'reference'}: {', '.join(study.ranked)}",
         f"study: {study.name}",
     )
     unfolding = [part for part in tree.folded(sections, _FOLDED) if isinstance(part, Section)]

@@ -54,8 +54,8 @@ class CellState:
 
     @property
     def outside(self) -> tuple[Finding, ...]:
-        """The warnings that place the case outside the domain of the model."""
-        return tuple(finding for finding in self.findings if finding.outside)
+        """The warnings of physics, which place the case outside the domain of the model."""
+        return tuple(f for f in self.findings if f.outside and not f.expects_error)
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from typing import Any
 
 WARNING, REFUSAL = "warning", "refusal"  # severities of a finding
 SYNTHETIC = "synthetic"  # subject of what is said of made numbers, which validate nothing
+ERROR = "error"  # subject of a warning of the error model
 COLUMNS = ("subject", "severity", "sentence", "remedy", "number", "limit", "instead")
 
 # Subjects of warnings about a run, input that a model takes otherwise, an estimate or data. Every
@@ -100,6 +101,11 @@ class Finding:
     def outside(self) -> bool:
         """Whether it warns that the scenario lies outside the domain of the model."""
         return not self.refusal and self.subject not in _NOT_OF_DOMAIN
+
+    @property
+    def expects_error(self) -> bool:
+        """Whether it warns of the error to expect, which a study that compares measures."""
+        return self.subject == ERROR
 
     def as_dict(self) -> dict[str, Any]:
         """The finding as JSON and tables hold it, by the names of `COLUMNS`."""

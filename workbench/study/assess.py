@@ -70,11 +70,11 @@ _CELL = (
     | texts("outcome", "message")
     | numbers("wall_time", "solve_time")
 )
-# of a cell: `outside`, how many warnings place it outside the domain; `cold`, whether its times may
-# hold compilation
+# of a cell: `outside`, how many warnings of physics place it outside the domain; `warned`, how many
+# warn of the error to expect; `cold`, whether its times may hold compilation
 _DERIVED = (
     numbers("shear_utilisation", "energy_error")
-    | counts("outside", "cold")
+    | counts("outside", "warned", "cold")
     | texts("collapse_mechanism")
     | lists("collapse_parts")
     | numbers(*(f"error_{name}" for name in ERROR))
@@ -229,13 +229,16 @@ def _finding_rows(answers: Answers) -> Iterator[Row]:
 
 def numbers_of(response: Response, record: Record) -> Row:
     """What the table of cells says of an answer."""
+    warnings = outside(response)
+    warned = sum(each.expects_error for each in warnings)
     row: dict[str, object] = {
         "outcome": response.attrs["outcome"],
         "message": response.attrs["message"],
         **{name: record.get(name) for name in TIMES},
         **scalars_of(response),
         "energy_error": energy_error(response),
-        "outside": len(outside(response)),
+        "outside": len(warnings) - warned,
+        "warned": warned,
         "cold": int(record.get("cold", False)),
     }
     if "shear_utilisation" in response:

@@ -30,11 +30,12 @@ _ENDS = {
 # `false_alarm`: the model collapses and the reference survives, `false_safe`: the other way round;
 # `against`: the governing references, in words; `reference`: cases in which the label is that
 # itself; `known`: largest relative uncertainty of its own peaks there; `outside`: answers outside
-# the domain of the model; `against_outside`: comparisons with a reference outside its own;
+# the domain of the model by its physics; `warned`: answers whose error the error model warns of,
+# which the comparison measures; `against_outside`: comparisons with a reference outside its own;
 # `synthetic`: cases whose reference is made numbers
 MATRIX_COLUMNS = (
     texts("group", "label", "quantity", "against")
-    | counts("asked", *_ENDS, "failed", "false_alarm", "false_safe", "outside", "reference")
+    | counts("asked", *_ENDS, "failed", "false_alarm", "false_safe", "outside", "warned", "reference")
     | numbers("known")
     | counts("against_outside", "synthetic", f"{PEAK}_count")
     | numbers(*(f"{PEAK}_{name}" for name in _POOLED[1:]))
@@ -120,9 +121,10 @@ def _judging_quantity(study: Study, names: Sequence[str], pairs: pd.DataFrame) -
 def _ended(cells: pd.DataFrame) -> Row:
     """How many cells were asked, and how they ended."""
     ends = {name: int((cells["outcome"] == outcome).sum()) for name, outcome in _ENDS.items()}
-    outside = ((cells["outcome"] == Outcome.OK) & (cells["outside"] > 0)).sum()
     failed = len(cells) - sum(ends.values())
-    return {"asked": len(cells), **ends, "failed": failed, "outside": outside}
+    answered = cells[cells["outcome"] == Outcome.OK]
+    findings = {name: int((answered[name] > 0).sum()) for name in ("outside", "warned")}
+    return {"asked": len(cells), **ends, "failed": failed, **findings}
 
 
 def _disagreements(model: pd.Series, reference: pd.Series) -> Row:

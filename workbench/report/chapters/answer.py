@@ -3,11 +3,12 @@
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 from workbench.assessment.budget import PEAK, RESIDUAL
 from workbench.content.formatting import duration, part, percent, title_of
 from workbench.content.page import Page
-from workbench.content.tree import ABSENT, Block, Cell, Column, Picture, Section, Table, marked
+from workbench.content.tree import Block, Cell, Column, Picture, Section, Table, marked
 from workbench.report.chapters import choice, configuration, results, verdicts
 from workbench.report.chapters.budgets import budgets
 from workbench.report.chapters.choice import FAIR, Row
@@ -23,33 +24,51 @@ _WIDE = 4.0  # upper end of an interval over the lower one, from which it says n
 _REASONS = 4  # why models are outside their domain, the most frequent
 _JUDGED = (PEAK, RESIDUAL, "time_of_peak")
 _OTHERS = 6  # quantities besides those of the matrix whose errors stand on the page
-_ENDS = {"collapsed": "collapsed", "refused": "refused", "failed": "failed", "not_run": "not run"}
-_DISAGREE = {
-    "false_alarm": "false alarm",
-    "false_safe": "false safe",
-}  # on whether the structure survives
+_ENDS = {
+    **{"collapsed": "collapsed", "refused": "refused", "failed": "failed", "not_run": "not run"},
+    **{"false_alarm": "false alarm", "false_safe": "false safe"},  # on whether it survives
+}
+
+
+class MatrixCell(NamedTuple):
+    """What a model does in a group of cases: a statement, ends without a number, details."""
+
+    group: str
+    statement: str
+    ends: str
+    details: str
+    tone: str
+    hatched: bool
+    bias: float | None
+
+
+class MatrixRow(NamedTuple):
+    """The cells of a model by group, and its time in words."""
+
+    label: str
+    cells: dict[str, MatrixCell]
+    time: str
 
 
 def answer(
     study: Study, stored: Stored, pictures: Iterable[Picture], more: Iterable[Block] = ()
 ) -> Section | None:
-    """The question, the matrix, `pictures`, what places models outside their domain, budgets.
+    """The decisive `pictures`, question, answers, matrix; on demand what these rest on.
 
     `more` is the answer of studies of another kind.
     """
-    shown = [replace(each, caption=f"{each.title}. {each.caption}") for each in pictures]
-    content, rest = list(matrix(study, stored, shown)), list(more)
-    if not content:
-        after = next((i for i, b in enumerate(rest, 1) if isinstance(b, Table)), len(rest))
-        rest[after:after] = shown
+    shown = list(pictures)
+    content = [*matrix(study, stored), *more]
     return PAGE.section(
         "answer",
-        title="The answer" if content or rest else "What was asked",
+        title="The answer" if content else "What was asked",
         question=study.question,
         hit=configuration.subject(study),
         synthetic=results.synthetic(stored),
         footnote=results.footnote(study, stored),
-        content=[*content, *rest],
+        content=content,
+        pictures=[replace(each, caption=f"{each.title}.", statements=()) for each in shown],
+        shown=shown,
     )
 
 
@@ -67,44 +86,49 @@ def decisive(study: Study, drawn: Collection[str] | None = None) -> str:
     return min(figures, key=place).key if figures else ""
 
 
-def matrix(study: Study, stored: Stored, pictures: Iterable[Picture] = ()) -> tuple[Block, ...]:
-    """Models by groups of cases; nothing for a study whose cases have no peak."""
-    by_label: dict[str, dict[str, Row]] = {}
-    by_group: dict[str, dict[str, Row]] = {}
+def matrix_rows(stored: Stored) -> list[MatrixRow]:
+    """The matrix as data, a row for each model; none for a study whose cases have no peak."""
+    times = {row["label"]: _time(row) for row in stored.rows["cost"]}
+    cells: dict[str, dict[str, MatrixCell]] = {}
     for row in stored.rows["matrix"]:
-        by_label.setdefault(row["label"], {})[row["group"]] = row
-        by_group.setdefault(row["group"], {})[row["label"]] = row
-    if not by_label:
+        cells.setdefault(row["label"], {})[row["group"]] = _cell(row)
+    return [MatrixRow(label, by_group, times.get(label, "")) for label, by_group in cells.items()]
+
+
+def _time(row: Row) -> str:
+    """The time of a model as a part of that of the reference, whose own is given in full."""
+    return duration(row["seconds"]) if row["label"] == row["against"] else part(row["ratio"])
+
+
+def matrix(study: Study, stored: Stored) -> tuple[Block, ...]:
+    """Answers by group and the matrix of models; nothing for a study whose cases have no peak."""
+    rows = matrix_rows(stored)
+    if not rows:
         return ()
-    costs = stored.costs
-    times = "".join({f", {row['against']} = 1": None for row in stored.rows["cost"]})
-    whole = [row["seconds"] for row in stored.rows["cost"] if row["label"] == row["against"]]
-    times += f" ({duration(whole[0], 1)})" if whole else ""
-    timed = [Column(f"time{times}", width=0.7, of=lambda item: part(costs.get(item[0])))]
-    titles = {
-        group: PAGE.words("column", group=group, row=next(iter(rows.values())))
-        for group, rows in by_group.items()
-    }
+    groups = {row["group"]: row for row in stored.rows["matrix"]}
+    timed, anchored = any(row.time for row in rows), choice.anchored(stored)
     columns = (
-        Column("model", width=1.4, of=lambda item: _name(study, item[0])),
-        *(Column(title, width=2.1, of=partial(_cell, group)) for group, title in titles.items()),
-        *(timed if costs else ()),
+        Column("model", width=1.4, of="label"),
+        *(
+            Column(PAGE.words("column", group=group, row=row), width=2.1, of=partial(_of, group))
+            for group, row in groups.items()
+        ),
+        *([Column("time", width=0.7, of=lambda row: row.time or None)] if timed else []),
     )
-    rows = stored.rows["matrix"]
-    anchored = choice.anchored(stored)
+    labels = {row.label for row in rows}
     return PAGE.blocks(
         "matrix",
-        table=Table.of("matrix", "", columns, by_label.items()),
+        table=Table.of("matrix", "", columns, rows),
         choice=anchored,
-        sentences=[] if anchored else [choice.trusted(study, stored, group) for group in by_group],
-        budgets=_budgeted(study, stored, by_group),
+        sentences=[] if anchored else [choice.trusted(study, stored, group) for group in groups],
+        details=[choice.details(study, stored, group, row) for group, row in groups.items()],
+        budgets=_budgeted(study, stored, groups),
         collapses=any(cell.collapse for cell in stored.cells.values()),
-        others=list(_others(study, stored, set(by_label) - set(study.ranked))),
-        static=any(row["quantity"] != PEAK for row in rows),
-        residual=any(row[f"{RESIDUAL}_count"] for row in rows),
-        timed=bool(costs),
-        pictures=list(pictures),
-        reasons=list(_reasons(stored, set(by_label))),
+        others=list(_others(study, stored, labels - set(study.ranked))),
+        static=any(row["quantity"] != PEAK for row in stored.rows["matrix"]),
+        residual=any(row[f"{RESIDUAL}_count"] for row in stored.rows["matrix"]),
+        timed=timed,
+        reasons=list(_reasons(stored, labels)),
     )
 
 
@@ -113,13 +137,6 @@ def in_brief(study: Study, stored: Stored) -> tuple[Block, ...]:
     blocks = (*matrix(study, stored), *verdicts.in_brief(stored))
     synthetic = results.synthetic(stored)
     return marked((*synthetic, *blocks), results.MARK) if stored.synthetic else blocks
-
-
-def _name(study: Study, label: str) -> str:
-    if label not in study.ranked:
-        return label
-    place = f" {study.ranked.index(label) + 1}" if len(study.ranked) > 1 else ""
-    return f"{label} (reference{place})"
 
 
 def _others(study: Study, stored: Stored, labels: set[str]) -> Iterator[tuple[str, list[str]]]:
@@ -135,40 +152,45 @@ def _others(study: Study, stored: Stored, labels: set[str]) -> Iterator[tuple[st
 
 
 def _budgeted(study: Study, stored: Stored, groups: Iterable[str]) -> tuple[Block, ...]:
-    """Total uncertainty of an answer of the model to take in its case."""
-    every = tuple(case.name for case in study.cases)
-    taken = {group: choice.first(study, stored, group) for group in groups}
-    by_case = {
-        case: label
-        for group, label in taken.items()
-        if label
-        for case in study.groups.get(group, every)
-    }
+    """The total uncertainty of the answer by the model that is to be taken in its group."""
+    every = [case.name for case in study.cases]
+    by_case: dict[str, str] = {}
+    for group in groups:
+        if label := choice.first(study, stored, group):
+            by_case |= dict.fromkeys(study.groups.get(group, every), label)
     return budgets(stored, by_case)
 
 
-def _cell(group: str, item: tuple[str, dict[str, Row]]) -> Cell:
-    """What a model does in a group of cases."""
-    row = item[1].get(group)
-    if row is None:
-        return ABSENT
-    lines, tone = [], "muted"
+def _of(group: str, row: MatrixRow) -> Cell | None:
+    """The cell of a row of the table."""
+    cell = row.cells.get(group)
+    if cell is None:
+        return None
+    text = ", ".join(filter(None, (cell.statement, cell.ends)))
+    return Cell(text, cell.bias, cell.tone, cell.hatched, cell.details)
+
+
+def _cell(row: Row) -> MatrixCell:
+    """What a model does in a group of cases, from its row in the stored table."""
+    tone, details = "muted", []
     if row[f"{PEAK}_count"]:
-        lines.append(_bias(row, PEAK))
+        statement = _bias(row, PEAK)
         tone = "muted" if row["synthetic"] else _tone(row)
         if row[f"{RESIDUAL}_count"]:
-            lines.append(f"residual {_bias(row, RESIDUAL)}")
+            details.append(f"residual {_bias(row, RESIDUAL)}")
     elif row["reference"]:
-        lines.append(PAGE.words("reference", known=row["known"]))
+        statement = PAGE.words("reference", known=row["known"])
     else:
         silent = "not compared" if row["answered"] else "no answer"
-        lines.append("collapses" if row["collapsed"] else silent)
+        statement = "collapses" if row["collapsed"] else silent
         tone = "bad" if row["failed"] or row["false_alarm"] or row["false_safe"] else "muted"
-    said, *details = lines
-    ended, value = ends(row) + ["synthetic"] * bool(row["synthetic"]), row[f"{PEAK}_bias"]
-    details.append(PAGE.words("counts", row=row, ends=[]))
-    text = ", ".join([said, *ended])
-    return Cell(text, value, tone, hatched=bool(row["outside"]), more="; ".join(details))
+    ends = [f"{row[name]} {text}" for name, text in _ENDS.items() if row[name]]
+    ends += ["synthetic"] * bool(row["synthetic"])
+    return MatrixCell(
+        *(row["group"], statement, ", ".join(ends)),
+        "; ".join([*details, PAGE.words("counts", row=row)]),
+        *(tone, bool(row["outside"]), row[f"{PEAK}_bias"]),
+    )
 
 
 def _bias(row: Row, quantity: str) -> str:
@@ -194,11 +216,6 @@ def _tone(row: Row) -> str:
     if far <= GOOD and sure and not row["false_alarm"] and not row["false_safe"]:
         return "good"
     return "bad" if (far > FAIR and judged) or row["false_alarm"] or row["false_safe"] else "doubt"
-
-
-def ends(row: Row) -> list[str]:
-    """How the cases without a number ended, and where the reference ended otherwise."""
-    return [f"{row[name]} {text}" for name, text in (_ENDS | _DISAGREE).items() if row[name]]
 
 
 def _reasons(stored: Stored, labels: set[str]) -> Iterator[str]:

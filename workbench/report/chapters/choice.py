@@ -53,14 +53,22 @@ def _trusted(study: Study, stored: Stored, group: str) -> str:
             return best_ranked(rival, stored.costs)
         open_by = max((row["known"] or 0.0 for row in rows), default=0.0)
         return PAGE.words("unsure", nearest=nearest, quantity=quantity, open_by=open_by)
+    cost = stored.costs.get(sure[0]["label"])
+    return PAGE.words("taken", row=sure[0], quantity=quantity, cost=cost)
+
+
+def details(study: Study, stored: Stored, group: str, row: Row) -> str:
+    """Against what a group is judged, a `row` of it, and the rest on the model to take."""
+    best, *others = _sure(study, stored, group) or [None]
     return PAGE.words(
-        "taken",
-        row=sure[0],
-        others=[PAGE.words("alike", row=row) for row in sure[1:]],
-        quantity=quantity,
-        cost=stored.costs.get(sure[0]["label"]),
-        hit_at=hit_distance(study, group),
-        **_expected(study, stored, group, sure[0]["label"]),
+        "details",
+        group=group,
+        against=row["against"],
+        row=best,
+        others=[PAGE.words("alike", row=each) for each in others],
+        quantity=judged(row),
+        hit_at=hit_distance(study, group) if best else "",
+        **(_expected(study, stored, group, best["label"]) if best else {"error": "", "case": ""}),
     )
 
 
@@ -90,7 +98,8 @@ def _ranked(study: Study, stored: Stored, group: str) -> dict[str, Row]:
         within, remains = row[f"{PEAK}_within"], row[f"{RESIDUAL}_within"] or 0.0
         error = abs(row[f"{PEAK}_worst"]) if within is None else within
         shares = ceil(100.0 * error), ceil(100.0 * remains)
-        return bool(row["outside"]), *shares, costs.get(label, 1.0)
+        warned = bool(row["outside"] or row["warned"])
+        return warned, *shares, costs.get(label, 1.0)
 
     return dict(sorted(rows.items(), key=place))
 

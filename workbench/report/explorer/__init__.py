@@ -13,8 +13,9 @@ from markupsafe import Markup
 
 from workbench.content.documents import STYLE, templates
 from workbench.content.formatting import count
-from workbench.content.tree import Callout, Cell, Table
+from workbench.content.tree import Callout
 from workbench.report.chapters import answer, choice, results
+from workbench.report.chapters.answer import MatrixCell, MatrixRow, matrix_rows
 from workbench.report.drawing.frame import DIRECTIONS
 from workbench.report.drawing.layout import frame_scenario_of
 from workbench.report.drawing.shapes import REST, YIELDING, rest_lines
@@ -56,7 +57,7 @@ def explorer(study: Study, stored: Stored, largest: int = LARGEST) -> str | None
         return None
     made = [block.text for block in results.synthetic(stored) if isinstance(block, Callout)]
     title = f"{results.MARK if made else ''}{study.title}"
-    matrix, models, text = _matrix(stored, study), _models(study), ""
+    matrix, models, text = matrix_rows(stored), _models(study), ""
     shown = {"study": study, "title": title, "made": made, **_seen(study, cases, matrix, models)}
     fixed = _fixed(study, stored.synthetic, matrix, models)
     for detail in DETAILS:
@@ -148,19 +149,27 @@ def _structure(case: Case) -> dict[str, Any]:
     }
 
 
-def _fixed(study: Study, synthetic: bool, matrix: Rows, models: Rows) -> dict[str, Any]:
+def _fixed(
+    study: Study, synthetic: bool, matrix: list[MatrixRow], models: Rows
+) -> dict[str, Any]:
     """Data of the script besides the cases."""
     groups = dict(study.groups) or {ALL: tuple(case.name for case in study.cases)}
     return {
         "study": f"{'SYNTHETIC ' if synthetic else ''}{study.name}",
         "models": models,
         "groups": {name: list(cases) for name, cases in groups.items()},
-        "matrix": [row | {"cells": {c["group"]: c["lines"] for c in row["cells"]}}
-                   for row in matrix],
+        "matrix": [
+            {"label": row.label, "cells": {name: _words(cell) for name, cell in row.cells.items()}}
+            for row in matrix
+        ],
         "parts": [list(part) for part in PARTS],
         "bounds": [answer.GOOD, choice.FAIR],
         "colors": {"band": INTERVAL["color"], "rest": REST, "yields": YIELDING},
-    }  # fmt: skip
+    }
+
+
+def _words(cell: MatrixCell) -> str:
+    return "; ".join(filter(None, (cell.statement, cell.ends, cell.details)))
 
 
 def _models(study: Study) -> Rows:
@@ -181,35 +190,15 @@ def _models(study: Study) -> Rows:
     ]
 
 
-def _matrix(stored: Stored, study: Study) -> Rows:
-    """The matrix of the first page by rows: `label`, `cells` by group, `time` and `words`."""
-    blocks = answer.matrix(study, stored)
-    tables = (each for each in blocks if isinstance(each, Table) and each.key == "matrix")
-    known = {(row["label"], row["group"]): row for row in stored.rows["matrix"]}
-    labels, groups = (dict.fromkeys(key[i] for key in known) for i in (0, 1))
-    rows = []
-    for table in tables:
-        for label, row in zip(labels, table.rows, strict=True):
-            pairs = zip(groups, row[1:], strict=False)
-            cells = [_shown(group, cell, known.get((label, group))) for group, cell in pairs]
-            time, words = (cell.text for cell in row[-2:])
-            rows.append({"label": label, "cells": cells, "time": time, "words": words})
-    return rows
-
-
-def _shown(group: str, cell: Cell, row: Mapping[str, Any] | None) -> dict[str, Any]:
-    ends = ", ".join(answer.ends(dict(row))) if row else ""
-    look = {"tone": cell.tone, "hatched": cell.hatched}
-    return {"group": group, "lines": cell.text.split("\n"), "ends": ends, **look}
-
-
-def _seen(study: Study, cases: Sequence[_CaseOfPage], matrix: Rows, models: Rows) -> dict[str, Any]:
+def _seen(
+    study: Study, cases: Sequence[_CaseOfPage], matrix: list[MatrixRow], models: Rows
+) -> dict[str, Any]:
     """Data of the template."""
     names = list(dict.fromkeys(name for case in cases for name in case.case.parameters))
     return {
         "matrix": matrix,
         "groups": list(study.groups),
-        "heads": [cell["group"] for cell in matrix[0]["cells"]] if matrix else [],
+        "heads": list(dict.fromkeys(group for row in matrix for group in row.cells)),
         "models": models,
         "cases": [case.case.name for case in cases],
         "axes": [axis for name in names for axis in _axis(name, cases)],

@@ -357,7 +357,7 @@ const tellMatrix = () => {
   if (!told) return;
   told.hidden = !state.cell;
   const line = data.matrix.find((one) => one.label === model);
-  if (line) told.textContent = `${model}, ${group}: ${line.cells[group].join("; ")}. In words: ${line.words}. Shown below: ${state.case}.`;
+  if (line) told.textContent = `${model}, ${group}: ${line.cells[group]}. Shown below: ${state.case}.`;
 };
 
 const moveTo = (time) => {
