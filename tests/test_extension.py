@@ -122,8 +122,7 @@ class HyperbolicLaw(Law):
 VERB = '''
 """`workbench energy`: the energy that a striker brings."""
 
-from workbench.cli.output import Answer, verb
-from workbench.cli.simulate import ScenarioFile
+from workbench.cli.output import Answer, ScenarioFile, verb
 
 
 @verb

@@ -121,7 +121,7 @@ def test_synthetic_rows_judge_nothing_and_are_named_everywhere(
     show(*in_brief(study, Stored(found.directory, study)))
     told = capsys.readouterr().out
     assert told.startswith("SYNTHETIC rows, no tests: made numbers")
-    assert f"{MARK}Bias of the peak displacement" in " ".join(told.split())
+    assert f"{MARK}Error of the peak" in " ".join(told.split())
 
 
 def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) -> None:

@@ -24,6 +24,7 @@ from toy_models import Troubled
 
 from workbench.models.base import respond
 from workbench.references.refine import refined
+from workbench.report.chapters.answer import matrix_rows
 from workbench.report.explorer import LARGEST, explorer
 from workbench.report.explorer.cells import FINE, packed
 from workbench.report.stored import Stored
@@ -359,6 +360,15 @@ def test_energies_are_told(seen):
     assert "dissipated (plastic, algorithmic)" in found["reference"][1]
     assert found["estimate"] == (0, "estimate keeps no energies of this case (answered).")
     assert "collapses" in found["falls"][1]
+
+
+def test_the_matrix_says_the_times(page, stored):
+    rows = re.findall(r'<tr><th scope="row">(.*?)</tr>', page, re.DOTALL)
+    times = {
+        unescape(row.partition("<")[0]): re.findall(r"<td>(.*?)</td>", row)[-1] for row in rows
+    }
+    assert times == {row.label: row.time for row in matrix_rows(stored)}
+    assert any(times.values())
 
 
 def test_cells_of_the_matrix_lead_to_their_worst_case(seen, stored):

@@ -11,7 +11,7 @@ from toy_models import Spring
 from workbench.assessment.budget import PEAK, RESIDUAL
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.report.chapters.answer import decisive
-from workbench.report.chapters.choice import first, trusted
+from workbench.report.chapters.choice import details, first, trusted
 from workbench.study import Figure
 from workbench.study.matrix import MATRIX_COLUMNS, pooled
 
@@ -47,7 +47,9 @@ def test_the_nearest_model_is_named_where_none_is_surely_within() -> None:
     )
     near["outside"] = 2  # a model inside its domain comes first
     assert "nearest is far, peak within 42 %." in said(beam, near, far)
-    assert said(beam, near).endswith("3 %, warned of in 2 of 2, numerical error not known.")
+    assert said(beam, near).endswith(
+        "3 %, outside its domain in 2 of 2, numerical error not known."
+    )
     assert said({**beam, "known": 0.3}, far).endswith("the reference itself is open by 30 %.")
     sure = row("sure", 0.05, 0.06)
     assert said(beam, far, sure).startswith("all: sure, peak within 6 % of beam in all 2 cases")
@@ -59,9 +61,14 @@ def test_the_anchor_comes_first_where_it_is_sure_with_the_error_to_expect() -> N
     error = {"expected": -0.03, "low": -0.09, "high": 0.04, "chance": 0.03}
     text = said(beam, sure, anchor, **error)
     assert text.startswith("all: anchor, peak within 6 % of beam")
-    assert "the error model: expect -3 %, 90 %: -9 to +4 %." in text
+    stored = stored_with(beam, sure, anchor, **error)
+    more = details(STUDY, stored, "all", anchor).replace("\u2009", " ")
+    assert more.startswith("all: against beam. anchor:")
+    assert "the error model: expect -3 %, 90 %: -9 to +4 %. Peak within" in more
+    assert more.endswith("inside their domain: sure (2 %).")
     assert first(STUDY, stored_with(beam, sure, anchor), "all") == "anchor"
-    assert "expect" not in said(beam, sure, anchor)  # not measured
+    unmeasured = details(STUDY, stored_with(beam, sure, anchor), "all", anchor)
+    assert "expect" not in unmeasured
     assert said(beam, sure, row("anchor", 0.2, 0.21)).startswith("all: sure")
 
 

@@ -77,13 +77,12 @@ def _application() -> Callable[..., Any]:
         doctor,
         fit,
         fragility,
-        limit,
         models,
         new,
         sample,
         simulate,
         studies,
-        sweep,
+        vary,
     )
 
     app = typer.Typer(
@@ -107,10 +106,10 @@ def _application() -> Callable[..., Any]:
     app.command("models")(models.models)
     app.command("advise")(models.advise)
     app.command("simulate")(simulate.simulate)
-    app.command("limit")(limit.limit)
+    app.command("limit")(vary.limit)
     app.command("fragility")(fragility.fragility)
     app.command("verify")(fragility.verify)
-    app.command("sweep")(sweep.sweep)
+    app.command("sweep")(vary.sweep)
     app.command("sample")(sample.sample)
     app.command("sensitivity")(sample.sensitivity)
     for function in (studies.run, studies.status, studies.report, studies.validate):

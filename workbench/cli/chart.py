@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
 from math import isfinite
+from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from workbench.cli.output import Answer, Names, option, verb, writable
-from workbench.cli.simulate import Options, ScenarioFile, Settings, pairs_of
-from workbench.content.tree import Cell, Column, Paragraph, Table
+from workbench.cli.output import (
+    Answer,
+    Names,
+    Options,
+    ScenarioFile,
+    Settings,
+    option,
+    pairs_of,
+    verb,
+    writable,
+)
+from workbench.content.tree import Paragraph, Table
 from workbench.errors import InputError
 
 if TYPE_CHECKING:
@@ -36,15 +45,13 @@ def ductility(shape: Shape = "triangular", figure: Picture = None) -> Answer:
     from workbench.models.practice.charts import ductility_chart, step_ductility
     from workbench.report.drawing.charts import Line
 
-    target = _target(figure)
+    target = writable("--figure", figure, "svg")
     _shape(shape)
     chart = ductility_chart(shape, _LENGTHS, _STRENGTHS)
-    columns = [Column("t_d / T", True, 1.0, lambda row: _cell(row[0]))]
-    for i, strength in enumerate(_STRENGTHS):
-        cell = partial(lambda i, row: _cell(row[1][i]), i)
-        columns.append(Column(f"R_m / F = {strength:g}", True, 1.0, cell))
     table = [[value if isfinite(value) else None for value in row] for row in chart.tolist()]
-    rows = list(zip(_LENGTHS, table, strict=True))
+    names = ["t_d / T", *(f"R_m / F = {strength:g}" for strength in _STRENGTHS)]
+    rows = [[length, *row] for length, row in zip(_LENGTHS, table, strict=True)]
+    columns = {name: itemgetter(i) for i, name in enumerate(names)}
     lines = {
         f"R/F = {strength:g}": Line(_LENGTHS, chart[:, i].tolist())
         for i, strength in enumerate(_STRENGTHS)
@@ -72,7 +79,7 @@ def iso_ductility(shape: Shape = "triangular", figure: Picture = None) -> Answer
     from workbench.models.practice import charts
     from workbench.report.drawing.charts import Line
 
-    target = _target(figure)
+    target = writable("--figure", figure, "svg")
     _shape(shape)
     curves = {mu: charts.pressure_impulse(shape, mu, _LENGTHS) for mu in _DUCTILITIES}
     ends = {mu: (charts.impulse_asymptote(mu), charts.step_force(mu)) for mu in _DUCTILITIES}
@@ -81,12 +88,12 @@ def iso_ductility(shape: Shape = "triangular", figure: Picture = None) -> Answer
         for mu, points in curves.items()
     }
     _draw(target, lines, "impulse, I w / R_m", "force, F / R_m")
-    columns = (
-        Column("ductility", True, 1.0, lambda row: _cell(row[0])),
-        Column("t_d / T", True, 1.0, lambda row: _cell(row[1].length)),
-        Column("F / R_m", True, 1.0, lambda row: _cell(row[1].force)),
-        Column("I w / R_m", True, 1.0, lambda row: _cell(row[1].impulse)),
-    )
+    columns = {
+        "ductility": lambda row: row[0],
+        "t_d / T": lambda row: row[1].length,
+        "F / R_m": lambda row: row[1].force,
+        "I w / R_m": lambda row: row[1].impulse,
+    }
     rows = [(mu, point) for mu, points in curves.items() for point in points]
     content = {
         "shape": shape,
@@ -125,7 +132,7 @@ def pressure_impulse(
     from workbench.scenarios.pulse import UNIFORM
     from workbench.study.limit import pressure_impulse_curve
 
-    target = _target(figure, scenario)
+    target = writable("--figure", figure, "svg", inputs=[scenario])
     given = load_scenario(scenario, settings or [])
     if not isinstance(given, MemberPulse | FramePulse):
         raise InputError("kind", given.KIND, "must be member-pulse or frame-pulse")
@@ -139,13 +146,13 @@ def pressure_impulse(
     }
     pressed = getattr(given, "load", "") == UNIFORM or getattr(given, "members", ())
     unit = "N/m" if pressed else "N"
-    columns = (
-        Column("model", width=1.5, of=lambda row: row[0]),
-        Column("length (s)", True, 1.0, lambda row: _cell(row[1].length)),
-        Column(f"peak ({unit})", True, 1.0, lambda row: _cell(row[1].peak)),
-        Column(f"impulse ({unit} s)", True, 1.0, lambda row: _cell(row[1].impulse)),
-        Column("remark", width=2.0, of=lambda row: row[1].reason),
-    )
+    columns = {
+        "model": lambda row: row[0],
+        "length (s)": lambda row: row[1].length,
+        f"peak ({unit})": lambda row: row[1].peak,
+        f"impulse ({unit} s)": lambda row: row[1].impulse,
+        "remark": lambda row: row[1].reason,
+    }
     rows = [(name, point) for name, points in curves.items() for point in points]
     lines = {}
     for name, points in curves.items():
@@ -170,14 +177,6 @@ def _shape(shape: str) -> None:
     from workbench.scenarios.pulse import PULSES, TABLE
 
     Choice(tuple(each for each in PULSES if each != TABLE)).check("--shape", shape)
-
-
-def _cell(value: float | None) -> Cell | None:
-    return None if value is None else Cell(f"{value:.4g}", value)
-
-
-def _target(figure: str | None, *inputs: str) -> Path | None:
-    return None if figure is None else writable("--figure", figure, "svg", inputs=inputs)
 
 
 def _draw(target: Path | None, lines: Mapping[str, Line], x: str, y: str) -> None:

@@ -15,7 +15,6 @@ from workbench.content.tree import (
     Block,
     Bullets,
     Callout,
-    Column,
     Definitions,
     Paragraph,
     Section,
@@ -34,8 +33,7 @@ def list_datasets() -> Answer:
     from workbench.evidence import datasets
 
     entries = [dataclasses.asdict(entry) for entry in datasets()]
-    listed = ("role", "licence", "title")
-    columns = (Column("dataset", of="name"), *(Column(key, of=key) for key in listed))
+    columns = {"dataset": "name", **{key: key for key in ("role", "licence", "title")}}
     return Answer({"datasets": entries}, [Table.of("datasets", "", columns, entries)])
 
 
@@ -54,9 +52,7 @@ def show(name: str = typer.Argument(metavar="NAME", help="Name of the dataset.")
 def _shown(entry: dict[str, Any], rows: list[dict[str, Any]]) -> Iterator[Block]:
     yield Definitions(tuple((key, value) for key, value in entry.items() if isinstance(value, str)))
     yield Section("columns", "Columns:", (Definitions(tuple(entry["columns"].items())),))
-    yield Table.of(
-        "rows", "", (Column(name, of=name) for name in (rows or [entry["columns"]])[0]), rows
-    )
+    yield Table.of("rows", "", {name: name for name in (rows or [entry["columns"]])[0]}, rows)
 
 
 @app.command("add")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from workbench.cli.output import Answer, option, verb
-from workbench.content.tree import Block, Cell, Column, Paragraph, Table
+from workbench.content.tree import Block, Cell, Paragraph, Table
 from workbench.datafiles import can_write
 
 if TYPE_CHECKING:
@@ -59,11 +59,11 @@ def doctor(
 
 def _blocks(checks: list[Check]) -> Iterator[Block]:
     tones = {"ok": "good", "warn": "doubt", "fail": "bad"}
-    columns = (
-        Column("state", of=lambda check: Cell(check.state, tone=tones[check.state])),
-        Column("check", of="name"),
-        Column("what it saw", of="detail"),
-    )
+    columns = {
+        "state": lambda check: Cell(check.state, tone=tones[check.state]),
+        "check": "name",
+        "what it saw": "detail",
+    }
     yield Table.of("checks", "", columns, checks)
     yield from (Paragraph(f"{check.name}: {check.remedy}") for check in checks if check.remedy)
 

@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from math import exp, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.output import Answer, option, processes, verb, writable
-from workbench.cli.simulate import PICTURES, ScenarioFile, Settings
-from workbench.content.tree import Block, Column, Paragraph, Table
+from workbench.cli.output import (
+    PICTURES,
+    Answer,
+    Jobs,
+    ScenarioFile,
+    Settings,
+    option,
+    processes,
+    verb,
+    writable,
+)
+from workbench.content.tree import Block, Cell, Paragraph, Table
 from workbench.errors import InputError
 
 if TYPE_CHECKING:
@@ -42,7 +51,7 @@ def fragility(
     half_width: float = option("Half-width in probability that is good enough.", 0.02),
     seconds: float = option("Budget; no further look at the band after it.", 600.0),
     seed: int = option("Seed of the samples.", 1),
-    jobs: int | None = option("Processes.  [default: one for each core]", None),
+    jobs: Jobs = None,
     settings: Settings = None,
     plot: str | None = option("Draw the curve.", None, "OUT.png|svg|pdf"),
     out: str | None = option("Write the certificate.", None, "CERTIFICATE.json"),
@@ -63,8 +72,8 @@ def fragility(
     from workbench.uncertainty.inputs import load_uncertain
     from workbench.uncertainty.sample_runs import Setup, Target
 
-    target = None if out is None else writable("--out", out, "json", inputs=[scenario])
-    picture = None if plot is None else writable("--plot", plot, *PICTURES, inputs=[scenario])
+    target = writable("--out", out, "json", inputs=[scenario])
+    picture = writable("--plot", plot, *PICTURES, inputs=[scenario])
     ends = _range(over)
     each = samples // SCRAMBLES
     if not 128 <= each <= 1 << 16 or samples % SCRAMBLES or each & (each - 1):
@@ -100,10 +109,8 @@ def fragility(
         from workbench.report.drawing.charts import draw_fragility
 
         draw_fragility(result, picture)
-    shown = list(_blocks(result))
-    written = {"certificate": target, "picture": picture}
-    shown += [Paragraph(f"The {what} is in {file}.") for what, file in written.items() if file]
-    return Answer(content, shown, int(not result.reaches_target))
+    files = {"certificate": target, "picture": picture}
+    return Answer(content, _blocks(result), int(not result.reaches_target), files)
 
 
 @verb
@@ -129,12 +136,12 @@ def verify(
         raise InputError("certificate", certificate, "is no JSON object")
     checked = certificates.verify(content, seed)
     agree = sum(each.agrees for each in checked)
-    columns = (
-        Column("sample", True, 0.6, lambda row: row.sample),
-        Column("ln ratio stated", True, 1.0, lambda row: _ratio(row.stated)),
-        Column("run again", True, 1.0, lambda row: _ratio(row.again)),
-        Column("agrees", width=0.6, of=lambda row: "yes" if row.agrees else "no"),
-    )
+    columns = {
+        "sample": "sample",
+        "ln ratio stated": lambda row: _ratio(row.stated),
+        "run again": lambda row: _ratio(row.again),
+        "agrees": lambda row: "yes" if row.agrees else "no",
+    }
     holds = agree == len(checked)
     meaning = "the certificate holds" if holds else "the certificate does not hold"
     text = f"{agree} of {len(checked)} references agree within 0.05 % of the velocity: {meaning}."
@@ -151,8 +158,9 @@ def verify(
     return Answer({"holds": holds, "references": rows}, blocks, int(not holds))
 
 
-def _ratio(value: float | None) -> str:
-    return "no answer" if value is None or not isfinite(value) else f"{value:+.5f}"
+def _ratio(value: float | None) -> Cell | str:
+    known = value is not None and isfinite(value)
+    return Cell(f"{value:+.5f}", value) if known else "no answer"
 
 
 def _range(text: str) -> tuple[float, float]:
@@ -208,29 +216,17 @@ def _blocks(result: Fragility) -> Iterator[Block]:
         f"{middle:.3g} m/s (90 %: {band}); {setup.reduced.name} in {setup.samples} samples, "
         f"corrected by {len(result.ratios)} runs of {setup.reference.name}."
     )
-    columns = (
-        Column("velocity m/s", True, 1.0, lambda row: f"{row[0]:.2f}"),
-        Column("probability", True, 1.0, lambda row: f"{row[1][1]:.3f}"),
-        Column("low", True, 1.0, lambda row: f"{row[1][0]:.3f}"),
-        Column("high", True, 1.0, lambda row: f"{row[1][2]:.3f}"),
-    )
     ends = [curve.velocity(p)[1] for p in (0.02, 0.98)]
-    if all(map(isfinite, ends)):
-        step = (exp(ends[1]) - exp(ends[0])) / (_SHOWN - 1)
-        velocities = [exp(ends[0]) + step * k for k in range(_SHOWN)]
-    else:
-        step = (setup.ends[1] - setup.ends[0]) / (_SHOWN - 1)
-        velocities = [setup.ends[0] + step * k for k in range(_SHOWN)]
-    rows = [(v, result.at(v)) for v in velocities]
+    first, last = map(exp, ends) if all(map(isfinite, ends)) else setup.ends
+    velocities = [first + k * (last - first) / (_SHOWN - 1) for k in range(_SHOWN)]
+    ends_of = {"low": "low", "high": "high"}
+    rows = [{"velocity": v, **_banded(result.at(v), "probability")} for v in velocities]
+    columns = {"velocity m/s": "velocity", "probability": "probability", **ends_of}
     yield Table.of("curve", "Probability of exceedance, band of 90 %.", columns, rows)
-    at = [(p, *map(exp, curve.velocity(p))) for p in PROBABILITIES]
-    quantiles = (
-        Column("probability", True, 1.0, lambda row: f"{row[0]:g}"),
-        Column("velocity m/s", True, 1.0, lambda row: f"{row[2]:.3f}"),
-        Column("low", True, 1.0, lambda row: f"{row[1]:.3f}"),
-        Column("high", True, 1.0, lambda row: f"{row[3]:.3f}"),
-    )
-    yield Table.of("velocities", "Velocity at a probability.", quantiles, at)
+    quantiles = {p: _banded(map(exp, curve.velocity(p)), "velocity") for p in PROBABILITIES}
+    rows = [{"probability": p, **cells} for p, cells in quantiles.items()]
+    columns = {"probability": "probability", "velocity m/s": "velocity", **ends_of}
+    yield Table.of("velocities", "Velocity at a probability.", columns, rows)
     yield _costs(result)
     if result.numerical is None:
         text = "The numerical error of the reference is not known: the band does not contain it."
@@ -246,29 +242,29 @@ def _blocks(result: Fragility) -> Iterator[Block]:
         yield Paragraph(text)
 
 
+def _banded(band: Iterable[float], middle: str) -> dict[str, Cell]:
+    """Low end, `middle` and high end of a band."""
+    names = ("low", middle, "high")
+    return {name: Cell(f"{value:.3f}", value) for name, value in zip(names, band, strict=True)}
+
+
 def _costs(result: Fragility) -> Table:
     """What each part of the band is, and costs."""
     curve, seconds, runs = result.curve, result.seconds, result.runs
-    shared = result.numerical
     widened = curve.half_width - result.curve_without.half_width
-    rows = (
-        ("samples", f"{curve.sampling.max():.4f}", runs["samples"], seconds["samples"]),
-        ("references", f"{curve.correction.max():.4f}", runs["references"], seconds["references"]),
-        (
-            "numerical, of the reference",
-            "unknown" if shared is None else f"{widened:.4f}",
-            runs["meshes"],
-            seconds["meshes"],
-        ),
-        ("all", f"{curve.half_width:.4f}", sum(runs.values()), seconds["all"]),
-    )
-    columns = (
-        Column("part of the band", width=1.6, of=lambda row: row[0]),
-        Column("half-width", True, 1.0, lambda row: row[1]),
-        Column("runs", True, 0.7, lambda row: row[2]),
-        Column("seconds", True, 0.7, lambda row: f"{row[3]:.1f}"),
-    )
+    widths = {
+        "samples": curve.sampling.max(),
+        "references": curve.correction.max(),
+        "meshes": None if result.numerical is None else widened,
+        "all": curve.half_width,
+    }
+    columns = {
+        "part of the band": lambda n: "numerical, of the reference" if n == "meshes" else n,
+        "half-width": lambda n: "unknown" if widths[n] is None else f"{widths[n]:.4f}",
+        "runs": lambda n: sum(runs.values()) if n == "all" else runs[n],
+        "seconds": lambda n: f"{seconds[n]:.1f}",
+    }
     in_velocity = 100.0 * curve.velocity_half_width
     measured = f"{in_velocity:.2f} % in velocity" if isfinite(in_velocity) else "open in velocity"
     caption = f"Largest half-width in probability, and its price; {measured}."
-    return Table.of("costs", caption, columns, rows)
+    return Table.of("costs", caption, columns, widths)

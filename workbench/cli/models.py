@@ -9,13 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from workbench.cli.output import Answer, at_work, verb
-from workbench.cli.simulate import ScenarioFile, Settings, warnings
+from workbench.cli.output import Answer, ScenarioFile, Settings, at_work, verb, warnings
 from workbench.content.bibliography import cited
 from workbench.content.tree import (
     Block,
     Bullets,
-    Column,
     Definitions,
     Paragraph,
     Section,
@@ -90,16 +88,12 @@ def _advice(
         yield Paragraph(f"{text}: {in_unit(best, PEAK)}.")
     refused = (finding for finding in findings[choice.model] if finding.refusal)
     yield from warnings(finding.as_dict() for finding in refused)
-    columns = (
-        Column("model", width=1.0, of=lambda pair: pair[0]),
-        Column("refuses", width=1.0, of=lambda pair: _subjects(pair[1], lambda f: f.refusal)),
-        Column("outside its domain", width=1.0, of=lambda p: _subjects(p[1], lambda f: f.outside)),
-        Column(
-            "further warnings",
-            width=1.5,
-            of=lambda p: _subjects(p[1], lambda f: not (f.outside or f.refusal)),
-        ),
-    )
+    columns = {
+        "model": lambda pair: pair[0],
+        "refuses": lambda pair: _subjects(pair[1], lambda f: f.refusal),
+        "outside its domain": lambda pair: _subjects(pair[1], lambda f: f.outside),
+        "further warnings": lambda pair: _subjects(pair[1], lambda f: not (f.outside or f.refusal)),
+    }
     yield Table.of("models", "What every model says of itself here.", columns, findings.items())
 
 
@@ -144,12 +138,12 @@ def _entry(offer: Offer) -> dict[str, Any]:
 
 
 def _listed(entries: list[dict[str, Any]]) -> Iterator[Block]:
-    columns = (
-        Column("model", of="name"),
-        Column("version", True, of=lambda entry: entry.get("version")),
-        Column("answers", of=lambda entry: ", ".join(entry.get("answers", ()))),
-        Column("what it is", of="title"),
-    )
+    columns = {
+        "model": "name",
+        "version": lambda entry: entry.get("version"),
+        "answers": lambda entry: ", ".join(entry.get("answers", ())),
+        "what it is": "title",
+    }
     yield Table.of("models", "", columns, entries)
     yield Paragraph("`workbench models NAME` shows assumptions, options and sources of one model.")
 

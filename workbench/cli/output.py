@@ -1,4 +1,4 @@
-"""What every verb has in common: ``--json``, the text on a terminal, the exit status."""
+"""What verbs have in common: their options, ``--json``, text, files, the exit status."""
 
 import functools
 import inspect
@@ -9,11 +9,11 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, overload
 
 import typer
 
-from workbench.content.tree import Block
+from workbench.content.tree import Block, Callout, Paragraph
 from workbench.datafiles import check_library
 from workbench.errors import InputError
 
@@ -32,7 +32,12 @@ def option(text: str, default: Any = ..., metavar: str | None = None, flag: str 
 
 
 ENDINGS = ("csv", "nc", "parquet", "xlsx")  # of answers as a table
+PICTURES = ("png", "svg", "pdf")
 Names = list[str] | None  # of an option that may be given more than once
+ScenarioFile = Annotated[str, typer.Argument(metavar="SCENARIO.toml", help="Scenario file.")]
+Settings = Annotated[Names, option("Override a value of the scenario.", ..., "KEY=VALUE", "--set")]
+Options = Annotated[Names, option("Set an option of the model.", ..., "KEY=VALUE", "--option")]
+Jobs = Annotated[int | None, option("Processes.  [default: one for each core]", flag="--jobs")]
 Json = Annotated[bool, option("Print one JSON object.", flag="--json")]
 
 
@@ -43,12 +48,14 @@ class InterruptedByUserError(Exception):
 class Answer(NamedTuple):
     """What a verb found: the `content` of its JSON object, the same as `blocks`, its exit status.
 
-    `blocks` may be a generator: it does no work where JSON is asked for.
+    `blocks` may be a generator: it does no work where JSON is asked for. `files` were written, by
+    what they are (None: not asked for).
     """
 
     content: Mapping[str, Any]
     blocks: Iterable[Block] = ()
     status: int = 0
+    files: Mapping[str, Path | None] = {}
 
 
 @contextmanager
@@ -88,7 +95,8 @@ def verb(function: Callable[..., Answer]) -> Callable[..., int]:
         else:
             from workbench.content.terminal import show
 
-            show(*answer.blocks)
+            files = ((what, file) for what, file in answer.files.items() if file)
+            show(*answer.blocks, *(Paragraph(f"The {what} is in {file}.") for what, file in files))
         return answer.status
 
     if not wants_json:
@@ -117,11 +125,44 @@ def write_answers(target: Path, table: "pd.DataFrame", dataset: "xr.Dataset") ->
     write_atomically(target, content)
 
 
-def writable(flag: str, name: str, *endings: str, inputs: Iterable[str | None] = ()) -> Path:
+def pairs_of(flag: str, texts: list[str] | None, like: str = "beta=1.3") -> dict[str, Any]:
+    """Values by name from texts of a flag that look `like` this. Raises `InputError`."""
+    from workbench.scenarios import parse_value
+
+    pairs = {}
+    for text in texts or ():
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip():
+            raise InputError(flag, text, f"must look like {like}")
+        pairs[name.strip()] = parse_value(value.strip())
+    return pairs
+
+
+def warnings(findings: Iterable[Mapping[str, Any]], source: str = "") -> Iterator[Block]:
+    """Findings, as JSON holds them, as callouts; `source`, whose they are."""
+    from workbench.responses import Finding
+
+    for finding in map(Finding.from_dict, findings):
+        yield Callout("doubt", f"warning{source} ({finding.subject}): {finding}")
+
+
+@overload
+def writable(flag: str, name: str, *endings: str, inputs: Iterable[str | None] = ...) -> Path: ...
+@overload
+def writable(flag: str, name: None, *endings: str, inputs: Iterable[str | None] = ...) -> None: ...
+@overload
+def writable(
+    flag: str, name: str | None, *endings: str, inputs: Iterable[str | None] = ...
+) -> Path | None: ...
+def writable(
+    flag: str, name: str | None, *endings: str, inputs: Iterable[str | None] = ()
+) -> Path | None:
     """A file that a flag names for output, which ends in one of `endings` and is no input.
 
-    Raises `InputError` where it cannot be one.
+    None where it names none. Raises `InputError` where it cannot be one.
     """
+    if name is None:
+        return None
     path = Path(name)
     if path.exists() and any(
         path.samefile(each) for each in inputs if each and Path(each).exists()

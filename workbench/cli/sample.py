@@ -12,15 +12,19 @@ from typing import TYPE_CHECKING, Any
 from workbench.cli.output import (
     ENDINGS,
     Answer,
+    Jobs,
+    Options,
+    ScenarioFile,
+    Settings,
     at_work,
     option,
+    pairs_of,
     processes,
     verb,
     writable,
     write_answers,
 )
-from workbench.cli.simulate import Options, ScenarioFile, Settings, pairs_of
-from workbench.content.tree import Block, Column, Paragraph, Table
+from workbench.content.tree import Block, Cell, Paragraph, Table
 from workbench.errors import InputError
 
 if TYPE_CHECKING:
@@ -31,7 +35,6 @@ if TYPE_CHECKING:
 
 MOST, MOST_ROWS = 10_000_000, 100_000  # samples; rows of a sensitivity: 0.7 GB
 _SHARES = (0.05, 0.5, 0.95)
-Jobs = int | None
 
 
 @verb
@@ -42,7 +45,7 @@ def sample(
     samples: int = option("Samples of the inputs.", 1024),
     seed: int = option("Seed of the Sobol sequence.", 1),
     first: int = option("First sample of the sequence.", 0),
-    jobs: Jobs = option("Processes.  [default: one for each core]", None),
+    jobs: Jobs = None,
     settings: Settings = None,
     options: Options = None,
 ) -> Answer:
@@ -53,6 +56,7 @@ def sample(
     goes on where it was, if asked the same. Exit status 0 if all survive or collapse, 1 if one has
     no answer (the table says why), 2 for bad input.
     """
+    from workbench.content.formatting import title_of
     from workbench.fields import Number
     from workbench.models.batch import FAILURE, OUTCOME
     from workbench.registry import make_model
@@ -80,13 +84,13 @@ def sample(
     ]
     content = {"scenario": uncertain.base.name, "model": model, "outcomes": outcomes}
     texts = ", ".join(f"{n} {name}" for name, n in outcomes.items())
+    columns = {name: name for name in rows[0]} | {"quantity": lambda row: title_of(row["quantity"])}
     blocks = (
         Paragraph(f"{uncertain.base.name}, {samples} samples by {model}: {texts}."),
-        Table.of("quantiles", "Quantiles of what was answered, in SI.", _quantile_columns(), rows),
-        Paragraph(f"The table is in {target}."),
+        Table.of("quantiles", "Quantiles of what was answered, in SI.", columns, rows),
     )
     whole = outcomes.get("ok", 0) + outcomes.get("collapse", 0) == samples
-    return Answer({**content, "quantiles": rows}, blocks, int(not whole))
+    return Answer({**content, "quantiles": rows}, blocks, int(not whole), {"table": target})
 
 
 @verb
@@ -96,7 +100,7 @@ def sensitivity(
     samples: int = option("Rows; the model answers inputs + 2 times as many.", 1024),
     quantity: str = option("Scalar of the answer.", "peak_displacement", "NAME"),
     seed: int = option("Seed of the Sobol sequence.", 1),
-    jobs: Jobs = option("Processes.  [default: one for each core]", None),
+    jobs: Jobs = None,
     settings: Settings = None,
     options: Options = None,
 ) -> Answer:
@@ -189,21 +193,9 @@ def _kept(target: Path, *asked: object) -> Path:
 
 def _quantiles(values: pd.Series) -> dict[str, float | None]:
     known = values.dropna()
-    if known.empty:
-        return {f"q{share:g}": None for share in _SHARES}
-    return {f"q{share:g}": float(known.quantile(share)) for share in _SHARES}
-
-
-def _quantile_columns() -> tuple[Column, ...]:
-    def number(name: str) -> Column:
-        return Column(name, True, 1.0, lambda row: "" if row[name] is None else f"{row[name]:.4g}")
-
-    shares = (number(f"q{share:g}") for share in _SHARES)
-    return (
-        Column("quantity", width=1.6, of=lambda row: row["quantity"].replace("_", " ")),
-        Column("answers", True, 0.8, lambda row: row["answers"]),
-        *shares,
-    )
+    return {
+        f"q{share:g}": None if known.empty else float(known.quantile(share)) for share in _SHARES
+    }
 
 
 def _shown(
@@ -212,19 +204,17 @@ def _shown(
     text = f"{quantity.replace('_', ' ')} by {model}"
     yield Paragraph(f"{uncertain.base.name}: {text}; {100.0 * share:.1f} % have no such answer.")
 
-    def column(key: str, title: str) -> Column:
-        return Column(title, True, 1.2, lambda row: _index(row[key]))
-
-    columns = [
-        Column("input", width=1.6, of=lambda row: row["input"]),
-        *(column("first", "first"), column("total", "total")),
-    ]
+    columns = {"input": "input", "first": "first", "total": "total"}
     if "first_missing" in rows[0]:
-        columns += [column("first_missing", "no answer: first"), column("total_missing", "total")]
+        columns |= {"no answer: first": "first_missing", "no answer: total": "total_missing"}
+    shown = [
+        {key: value if key == "input" else _index(value) for key, value in row.items()}
+        for row in rows
+    ]
     caption = "Sobol indices, 90 % intervals; total is the share of the variance that is left "
     caption += "when all other inputs are known."
-    yield Table.of("indices", caption, columns, rows)
+    yield Table.of("indices", caption, columns, shown)
 
 
-def _index(index: Index) -> str:
-    return f"{index.value:.2f} ({index.low:.2f} to {index.high:.2f})"
+def _index(index: Index) -> Cell:
+    return Cell(f"{index.value:.2f} ({index.low:.2f} to {index.high:.2f})", index.value)

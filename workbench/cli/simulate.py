@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator
 from itertools import islice
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from workbench.cli.output import Answer, Names, at_work, option, verb, writable
-from workbench.content.tree import Block, Callout, Column, Definitions, Paragraph, Table
+from workbench.cli.output import (
+    PICTURES,
+    Answer,
+    Names,
+    Options,
+    ScenarioFile,
+    Settings,
+    at_work,
+    option,
+    pairs_of,
+    verb,
+    warnings,
+    writable,
+)
+from workbench.content.tree import Block, Cell, Definitions, Paragraph, Table
 from workbench.errors import InputError
 
 if TYPE_CHECKING:
@@ -22,13 +33,8 @@ if TYPE_CHECKING:
     from workbench.scenarios import Scenario
 
 _KIND = "numerical"  # what stands after ±
-
-ScenarioFile = Annotated[str, typer.Argument(metavar="SCENARIO.toml", help="Scenario file.")]
-Settings = Annotated[Names, option("Override a value of the scenario.", ..., "KEY=VALUE", "--set")]
-Options = Annotated[Names, option("Set an option of the model.", ..., "KEY=VALUE", "--option")]
 _SEGMENTS = 4  # the most sheared ones, which the text names
 _ROWS = 5  # of an answer that is not shown in full
-PICTURES = ("png", "svg", "pdf")
 
 
 @verb
@@ -68,8 +74,8 @@ def simulate(
 
     if model and len(model) > 1 and (out or budget):
         raise InputError("--model", ", ".join(model), "must be one for --out and --budget")
-    target = None if out is None else writable("--out", out, "nc", "pvd", inputs=[scenario])
-    picture = None if plot is None else writable("--plot", plot, *PICTURES, inputs=[scenario])
+    target = writable("--out", out, "nc", "pvd", inputs=[scenario])
+    picture = writable("--plot", plot, *PICTURES, inputs=[scenario])
     if spread and not budget:
         raise InputError("--spread", spread[0], "is for --budget")
     spreads = pairs_of("--spread", spread, "velocity=0.1")
@@ -95,7 +101,9 @@ def simulate(
         compared.plot.save(picture)
     status = int(not all(outcome_of(each).is_answer for each in answers.values()))
     if model and len(model) > 1:
-        return Answer(_side_by_side(compared), _table(compared, picture), status)
+        objects = [as_object(each, given) for each in answers.values()]
+        both = {"scenario": given.name, "models": objects}
+        return Answer(both, _table(compared, objects), status, {"picture": picture})
     content = as_object(first, given)
     other = named[reference] if len(named) > 1 else None
     content["reference"] = None if other is None else as_object(other, given)
@@ -110,9 +118,8 @@ def simulate(
             for row in (_plain(row) for row in terms if row["form"] == form):
                 content[name].setdefault(row["quantity"], []).append(row)
         shown += simulated(terms)
-    written = {"response": target, "picture": picture}
-    shown += [Paragraph(f"The {what} is in {file}.") for what, file in written.items() if file]
-    return Answer(content, shown, int(not outcome_of(first).is_answer))
+    files = {"response": target, "picture": picture}
+    return Answer(content, shown, int(not outcome_of(first).is_answer), files)
 
 
 def _write(target: Path, scenario: Scenario, response: Response) -> None:
@@ -127,42 +134,22 @@ def _write(target: Path, scenario: Scenario, response: Response) -> None:
         write_atomically(target, to_netcdf_bytes(response))
 
 
-def _side_by_side(compared: Comparison) -> dict[str, Any]:
-    """Several answers as one JSON object."""
-    from workbench.desk.summary import as_object
-
-    given = compared.scenario
-    objects = [as_object(each, given) for each in compared.responses.values()]
-    return {"scenario": given.name, "models": objects}
-
-
-def _table(compared: Comparison, picture: Path | None) -> Iterator[Block]:
-    """Several answers as one table, their warnings below."""
-    from workbench.content.formatting import duration, in_unit
+def _table(compared: Comparison, objects: list[dict[str, Any]]) -> Iterator[Block]:
+    """Several answers, as JSON holds them, as one table, their warnings below."""
+    from workbench.content.formatting import duration, quantities
     from workbench.desk.summary import TABLED, fate_of
     from workbench.evidence.error_model import ExpectedError
 
-    objects = _side_by_side(compared)["models"]
-    fates = {name: fate_of(each) for name, each in compared.responses.items()}
-
-    def cell(name: str) -> Column:
-        def text(row: Mapping[str, Any]) -> str | None:
-            return None if row[name] is None else in_unit(row[name], name, 3)
-
-        return Column(name.replace("_", " "), True, 1.0, text)
-
-    columns = (
-        Column("model", width=1.5, of=lambda row: row["model"]),
-        Column("fate", width=1.0, of=lambda row: fates[row["model"]]),
-        *map(cell, TABLED),
-        Column("error of the peak", width=1.8, of=lambda row: str(ExpectedError(**row["error"]))),
-        Column("wall time", True, 0.8, lambda row: duration(row["wall_time"])),
-    )
+    columns = {
+        "model": "model",
+        "fate": lambda row: fate_of(compared[row["model"]]),
+        **quantities(*TABLED),
+        "error of the peak": lambda row: str(ExpectedError(**row["error"])),
+        "wall time": lambda row: Cell(duration(row["wall_time"]), row["wall_time"]),
+    }
     yield Table.of("models", compared.scenario.name, columns, objects)
     for each in objects:
         yield from warnings((*each["refusals"], *each["warnings"]), f" of {each['model']}")
-    if picture is not None:
-        yield Paragraph(f"The picture is in {picture}.")
 
 
 def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -> Iterator[Block]:
@@ -186,14 +173,6 @@ def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -
     yield from warnings(answer["warnings"])
     if len(rows) > _ROWS and not full:
         yield Paragraph(f"{len(rows) - _ROWS} more numbers with --full.")
-
-
-def warnings(findings: Iterable[dict[str, Any]], source: str = "") -> Iterator[Block]:
-    """Findings, as JSON holds them, as callouts; `source`, whose they are."""
-    from workbench.responses import Finding
-
-    for finding in map(Finding.from_dict, findings):
-        yield Callout("doubt", f"warning{source} ({finding.subject}): {finding}")
 
 
 def _lines(answer: dict[str, Any]) -> Iterator[tuple[str, str]]:
@@ -286,16 +265,3 @@ def _plain(row: dict[str, Any]) -> dict[str, Any]:
     fallen = row["high"] is not None and not isfinite(row["high"])
     open_end = dict.fromkeys(("high", "most") if fallen else ())
     return {**row, **open_end, "collapses": fallen}
-
-
-def pairs_of(flag: str, texts: list[str] | None, like: str = "beta=1.3") -> dict[str, Any]:
-    """Values by name from texts of a flag that look `like` this. Raises `InputError`."""
-    from workbench.scenarios import parse_value
-
-    pairs = {}
-    for text in texts or ():
-        name, equals, value = text.partition("=")
-        if not equals or not name.strip():
-            raise InputError(flag, text, f"must look like {like}")
-        pairs[name.strip()] = parse_value(value.strip())
-    return pairs

@@ -164,7 +164,7 @@ def report(
     wanted = tuple(part.strip() for part in formats.split(","))
     if not set(wanted) <= {"html", "pdf", "xlsx", "parquet"}:
         raise InputError("--format", formats, "must be among html, pdf, xlsx, parquet")
-    archive = None if crate is None else writable("--crate", crate, "zip")
+    archive = writable("--crate", crate, "zip")
     from workbench.report.build import build_report
     from workbench.report.build import summary as write_summary
     from workbench.report.chapters.answer import in_brief

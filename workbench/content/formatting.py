@@ -226,6 +226,15 @@ def valued(
     return Cell(shown, value, tone)
 
 
+def quantities(*names: str) -> dict[str, Callable[[Mapping[str, Any]], Cell | None]]:
+    """Columns of quantities with units, by their titles; of records with entries of these names."""
+
+    def column(name: str) -> Callable[[Mapping[str, Any]], Cell | None]:
+        return lambda row: valued(row[name], lambda value: in_unit(value, name, 3))
+
+    return {title_of(name): column(name) for name in names}
+
+
 def span_cell(row: Mapping[str, Any]) -> Cell:
     """An interval, the entries `low` and `high` of a row, that sorts by its low end."""
     low, high = row["low"], row["high"]

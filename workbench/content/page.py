@@ -3,8 +3,9 @@
 The template ``limits.jinja`` stands beside ``limits.py``; each of its macros is a part of a page or
 a sentence. A part is written as it is read: paragraphs between empty lines, ``- `` before the items
 of a list, ``! tone: `` before what must not be overlooked, ``# key: Title`` before a section and
-``##`` before one inside it. Blocks that are made elsewhere stand where they are named in double
-braces; `caption` gives a table its words. Values are never read as structure.
+``##`` before one inside it, ``#-`` before one that opens on demand. Blocks that are made elsewhere
+stand where they are named in double braces; `caption` gives a table its words. Values are never
+read as structure.
 """
 
 import re
@@ -32,7 +33,8 @@ from workbench.content.tree import (
 )
 
 _MARK = re.compile(
-    r"(?P<hashes>#+) (?P<key>\S+): ?(?P<title>.*)|- (?P<item>.*)|! (?P<tone>\S+): (?P<callout>.*)"
+    r"(?P<hashes>#+)(?P<fold>-?) (?P<key>\S+): ?(?P<title>.*)"
+    r"|- (?P<item>.*)|! (?P<tone>\S+): (?P<callout>.*)"
 )
 _VALUE = re.compile("\x02(\\d+)\x03")  # the place of a value in a list
 _FILTERS = (
@@ -167,21 +169,23 @@ def _resolved(text: str, placed: list[Any]) -> str:
 def _read(text: str, placed: list[Any]) -> tuple[Block, ...]:
     """Blocks of a text, whose values are `placed` in it."""
     whole: list[Block] = []
-    within: list[tuple[int, str, str, list[Block]]] = []  # open sections: depth, key, title, blocks
+    within: list[tuple[int, Section, list[Block]]] = []  # open sections: depth, head, blocks
 
     def close(depth: int) -> None:
         while within and within[-1][0] >= depth:
-            _, key, title, blocks = within.pop()
+            _, head, blocks = within.pop()
             if blocks:
-                (within[-1][3] if within else whole).append(Section(key, title, tuple(blocks)))
+                section = replace(head, blocks=tuple(blocks))
+                (within[-1][2] if within else whole).append(section)
 
     for lines in _pieces(text, placed):
-        target = within[-1][3] if within else whole
+        target = within[-1][2] if within else whole
         mark, kept = _MARK.fullmatch(lines), _block_at(lines, placed)
         if mark and mark["hashes"]:
             close(len(mark["hashes"]))
-            words = (_resolved(mark[name], placed) for name in ("key", "title"))
-            within.append((len(mark["hashes"]), *words, []))  # type: ignore[arg-type]
+            key, title = (_resolved(mark[name], placed) for name in ("key", "title"))
+            head = Section(key, title, (), folded=bool(mark["fold"]))
+            within.append((len(mark["hashes"]), head, []))
         elif mark and mark["tone"]:
             tone, callout = (_resolved(mark[name], placed) for name in ("tone", "callout"))
             target.append(Callout(tone, callout))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -104,13 +104,13 @@ class Column:
     """A table column: its `title`, whether it holds numbers, and its share of the `width`.
 
     `of` says where `Table.of` finds its cells: the name of an entry or attribute of a record, or
-    a function of the record. It may give a `Cell`, a text, a whole number, or None for a dash.
+    a function of the record. It may give a `Cell`, a text, a number, or None for a dash.
     """
 
     title: str
     numeric: bool = False
     width: float = 1.0
-    of: str | Callable[[Any], Cell | str | int | None] = field(default="", compare=False)
+    of: str | Callable[[Any], Cell | str | float | None] = field(default="", compare=False)
 
     def cell(self, record: Any) -> Cell:
         """The cell of this column in the row of a record."""
@@ -124,6 +124,8 @@ class Column:
             return value
         if value is None:
             return ABSENT
+        if isinstance(value, float):
+            return Cell(f"{value:.4g}", value)
         return Cell(str(value), value if isinstance(value, int) else None)
 
 
@@ -142,25 +144,32 @@ class Table:
     number: int = 0
     kind: str = field(default="table", init=False)
 
-    @property
-    def name(self) -> str:
-        """How texts call it: ``Table 3``; empty outside of a document."""
-        return f"Table {self.number}" if self.number else ""
-
     @classmethod
     def of(
         cls,
         key: str,
         caption: str,
-        columns: Iterable[Column],
+        columns: Iterable[Column] | Mapping[str, Any],
         records: Iterable[Any],
         print_limit: int | None = None,
     ) -> Table:
-        """A table with one row for each record, its cells as the columns find them."""
-        columns = tuple(columns)
-        rows = tuple(tuple(column.cell(record) for column in columns) for record in records)
-        heads = tuple(replace(column, of="") for column in columns)
-        return cls(key, caption, heads, rows, print_limit)
+        """A table with one row for each record, its cells as the columns find them.
+
+        Columns may be given by title, with where they find their cells; they are numeric where
+        all their cells are absent or have a value to sort by.
+        """
+        listed: list[Column] = []
+        if isinstance(columns, Mapping):
+            listed += (Column(title, of=of) for title, of in columns.items())
+        else:
+            listed += columns
+        rows = tuple(tuple(column.cell(record) for column in listed) for record in records)
+        heads = [replace(column, of="") for column in listed]
+        if isinstance(columns, Mapping):
+            cells = zip(*rows, strict=True) if rows else [()] * len(heads)
+            numeric = [all(each is ABSENT or each.sort is not None for each in c) for c in cells]
+            heads = [replace(h, numeric=n) for h, n in zip(heads, numeric, strict=True)]
+        return cls(key, caption, tuple(heads), rows, print_limit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,11 +192,6 @@ class Picture:
     image: str = ""
     number: int = 0
     kind: str = field(default="picture", init=False)
-
-    @property
-    def name(self) -> str:
-        """How texts call it: ``Figure 3``; empty outside of a document."""
-        return f"Figure {self.number}" if self.number else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,15 +246,13 @@ class Document:
     def __post_init__(self) -> None:
         counts = Counter[str]()
 
-        def numbered(block: Any) -> Any:
-            if isinstance(block, Section):
-                return replace(block, blocks=tuple(map(numbered, block.blocks)))
-            if isinstance(block, Table | Picture):
-                counts[block.kind] += 1
-                return replace(block, number=counts[block.kind])
-            return block
+        def numbered(block: Block) -> Block:
+            if not isinstance(block, Table | Picture):
+                return block
+            counts[block.kind] += 1
+            return replace(block, number=counts[block.kind])
 
-        object.__setattr__(self, "sections", tuple(map(numbered, self.sections)))
+        object.__setattr__(self, "sections", rewritten(self.sections, numbered))
 
     @cached_property
     def named(self) -> Mapping[str, str]:
@@ -258,7 +260,8 @@ class Document:
         names: dict[str, str] = {}
         for block in walk(self.sections):
             if isinstance(block, Table | Picture):
-                names.setdefault(block.key, block.name)
+                kind = "Table" if isinstance(block, Table) else "Figure"
+                names.setdefault(block.key, f"{kind} {block.number}")
         return names
 
     @cached_property
@@ -270,16 +273,23 @@ class Document:
 
     def on_paper(self) -> Document:
         """The document without what is folded, which its last line names."""
-        sections = [part for part in unfolded(self.sections) if isinstance(part, Section)]
-        titles = [b.title for b in walk(self.sections) if isinstance(b, Section) and b.folded]
+        titles: list[str] = []
+
+        def printed(block: Block) -> Block | None:
+            if not (isinstance(block, Section) and block.folded):
+                return block
+            titles.append(block.title)
+            return None
+
+        sections = rewritten(self.sections, printed)
         if titles:
             text = f"In the electronic report alone: {'; '.join(titles)}."
-            sections.append(Section("folded", "More", (Paragraph(text),)))
-        return replace(self, sections=tuple(sections))
+            sections = (*sections, Section("folded", "More", (Paragraph(text),)))
+        return replace(self, sections=sections)
 
     def marked(self, mark: str) -> Document:
         """The document with a mark before its title and before every caption."""
-        sections = tuple(replace(part, blocks=marked(part.blocks, mark)) for part in self.sections)
+        sections: Any = marked(self.sections, mark)
         return replace(self, title=f"{mark}{self.title}", sections=sections)
 
     def number_of(self, key: str) -> int:
@@ -287,35 +297,27 @@ class Document:
         return 1 + [reference.key for reference in self.references].index(key)
 
 
-def marked(blocks: Iterable[Block], mark: str) -> tuple[Block, ...]:
-    """Blocks whose tables and pictures, at any depth, have captions that begin with a mark."""
+def rewritten(blocks: Iterable[Block], change: Callable[[Block], Block | None]) -> tuple[Any, ...]:
+    """Blocks as `change` gives them, at any depth; those for which it gives None are left out."""
     copies: list[Block] = []
     for block in blocks:
-        if isinstance(block, Section):
-            block = replace(block, blocks=marked(block.blocks, mark))
-        elif isinstance(block, (Table, Picture)) and not block.caption.startswith(mark):
-            block = replace(block, caption=f"{mark}{block.caption}")
-        copies.append(block)
+        if (changed := change(block)) is None:
+            continue
+        if isinstance(changed, Section):
+            changed = replace(changed, blocks=rewritten(changed.blocks, change))
+        copies.append(changed)
     return tuple(copies)
 
 
-def folded(blocks: tuple[Block, ...], keys: Collection[str]) -> tuple[Block, ...]:
-    """Blocks whose sections of some keys, at any depth, are folded."""
-    return tuple(
-        replace(each, blocks=folded(each.blocks, keys), folded=each.key in keys)
-        if isinstance(each, Section)
-        else each
-        for each in blocks
-    )
+def marked(blocks: Iterable[Block], mark: str) -> tuple[Block, ...]:
+    """Blocks whose tables and pictures, at any depth, have captions that begin with a mark."""
 
+    def change(block: Block) -> Block:
+        if not isinstance(block, Table | Picture) or block.caption.startswith(mark):
+            return block
+        return replace(block, caption=f"{mark}{block.caption}")
 
-def unfolded(blocks: tuple[Block, ...]) -> tuple[Block, ...]:
-    """Blocks without their folded sections."""
-    return tuple(
-        replace(each, blocks=unfolded(each.blocks)) if isinstance(each, Section) else each
-        for each in blocks
-        if not (isinstance(each, Section) and each.folded)
-    )
+    return rewritten(blocks, change)
 
 
 def walk(blocks: tuple[Block, ...]) -> Iterator[Block]:

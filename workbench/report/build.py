@@ -32,11 +32,6 @@ from workbench.study.tables import table_bytes, workbook_bytes
 _FORMAT = Choice(("html", "pdf", "xlsx", "parquet"))
 # figures of these kinds stand in chapters of their own
 _ELSEWHERE = ("convergence", "cost")
-# sections that open on demand; paper leaves them out
-_FOLDED = (
-    *("asked", "reading", "gate-reasons", "domain", "notes", "error-model", "ranking"),
-    *("budgets", "numbers", "convergence", "configuration"),
-)
 _VARYING = ("cost",)  # kinds whose picture differs from machine to machine
 _MOST_PICTURES = 8
 _EXPLORE = "Explore the stored answers"
@@ -126,8 +121,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         f"{count(len(study.cases), 'case')}, {count(len(study.models), 'model')}",
         f"study: {study.name}",
     )
-    unfolding = [part for part in tree.folded(sections, _FOLDED) if isinstance(part, Section)]
-    whole = Document(study.title, "Validation report", facts, tuple(unfolding))
+    whole = Document(study.title, "Validation report", facts, sections)
     return whole.marked(results.MARK) if stored.synthetic else whole
 
 

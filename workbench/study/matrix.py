@@ -35,7 +35,8 @@ _ENDS = {
 # `synthetic`: cases whose reference is made numbers
 MATRIX_COLUMNS = (
     texts("group", "label", "quantity", "against")
-    | counts("asked", *_ENDS, "failed", "false_alarm", "false_safe", "outside", "warned", "reference")
+    | counts("asked", *_ENDS, "failed", "false_alarm", "false_safe")
+    | counts("outside", "warned", "reference")
     | numbers("known")
     | counts("against_outside", "synthetic", f"{PEAK}_count")
     | numbers(*(f"{PEAK}_{name}" for name in _POOLED[1:]))

@@ -29,7 +29,7 @@ from workbench.report.explorer.cells import (
     numbers_of,
     record_of,
 )
-from workbench.report.figures.energy import PARTS
+from workbench.report.figures.curves import PARTS
 from workbench.report.stored import CellState, Stored
 from workbench.scenarios import FrameImpact
 from workbench.study.definition import Case, Study
@@ -149,9 +149,7 @@ def _structure(case: Case) -> dict[str, Any]:
     }
 
 
-def _fixed(
-    study: Study, synthetic: bool, matrix: list[MatrixRow], models: Rows
-) -> dict[str, Any]:
+def _fixed(study: Study, synthetic: bool, matrix: list[MatrixRow], models: Rows) -> dict[str, Any]:
     """Data of the script besides the cases."""
     groups = dict(study.groups) or {ALL: tuple(case.name for case in study.cases)}
     return {

@@ -19,7 +19,7 @@ from workbench.report.chapters.answer import GOOD
 from workbench.report.chapters.choice import FAIR
 from workbench.report.drawing.shapes import YIELDS, Points, Shapes, shapes_of
 from workbench.report.drawing.sheet import evenly, thinned
-from workbench.report.figures.energy import ledger
+from workbench.report.figures.curves import ledger
 from workbench.report.stored import CellState
 from workbench.responses import Outcome, Response
 from workbench.responses.uncertainty import directions_of, estimate, uncertainty_of, variants

@@ -15,18 +15,18 @@ if TYPE_CHECKING:
     from workbench.report.drawing.sheet import Drawing, Request
 
 KINDS = {
-    "budget": "budget.draw",
-    "chooser": "cost.choices",
+    "budget": "values.budget",
+    "chooser": "refinement.choices",
     "convergence": "refinement.convergence",
-    "cost": "cost.draw",
+    "cost": "refinement.cost",
     "deformed": "deformed.draw",
     "domain-map": "maps.domain_map",
-    "energy": "energy.draw",
+    "energy": "curves.energy",
     "force-displacement": "curves.force_displacement",
     "history": "curves.history",
     "interaction": "interaction.draw",
     "meshes": "refinement.meshes",
-    "peaks": "peaks.draw",
+    "peaks": "values.peaks",
     "place": "curves.place",
     "shear-domain": "surfaces.shear_domain",
     "shear-surfaces": "surfaces.shear",
@@ -39,7 +39,7 @@ KINDS = {
     "stud-scatter": "stud_tests.scatter",
     "stud-unseen": "stud_tests.unseen",
     "sweep": "maps.sweep",
-    "tests": "tests.draw",
+    "tests": "values.tests",
     "work-precision": "refinement.work_precision",
     "yield-surfaces": "surfaces.axial",
 }

@@ -1,0 +1,267 @@
+"""Single values of all labels: against the reference, against tests, with their budgets of error.
+
+``peaks``, options: `quantity` (a scalar, default ``peak_displacement``), `against` (a label;
+default the reference), `cases`.
+``tests``: measured against predicted, one panel per model, with the half-widths of both sides.
+Option: `quantity` (a scalar, default the first of the study). Made numbers are named so.
+``budget``: bars per term and their sums, one panel per model, same axes. Options: `case` (default
+the first with a budget), `quantity` (default ``peak_displacement``). Of the forms of a budget the
+first is drawn: with the strain rate of the steel.
+"""
+
+import json
+import textwrap
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.patches import Patch
+
+from workbench.assessment.budget import COVERAGE, PEAK, SUMS
+from workbench.content.formatting import axis_label, in_unit, number, title_of, unit_of
+from workbench.report.chapters.budgets import change, scale
+from workbench.report.drawing import studs
+from workbench.report.drawing.sheet import Drawing, Request, Sheet, first, nothing
+from workbench.report.drawing.style import GRID, INK, MUTED, PALETTE, WARNING, Style, entry, framed
+from workbench.responses.uncertainty import uncertainty_of
+from workbench.study.definition import Case
+
+MOST_CASES = 8
+_ROOM = 0.8  # share of a case's slot that its markers take
+_BAND: Style = {"color": "#000000", "alpha": 0.13, "linewidth": 0.0, "zorder": 1}
+_SYNTHETIC = "SYNTHETIC"
+_RECORDED = ("case", "label", "form", "quantity", "term", "shift", "low", "high")
+_RIGHT = 0.45  # of the axis, to the right of all bars, for the numbers
+_AT_THE_EDGE: Style = {
+    **{"xycoords": ("axes fraction", "data"), "textcoords": "offset points", "ha": "right"},
+    **{"va": "center", "fontsize": "small", "color": INK},
+}
+
+
+def peaks(request: Request) -> Drawing:
+    """Values above, relative deviations from the reference with their uncertainty below."""
+    quantity, against = str(request.option("quantity", "peak_displacement")), request.against
+    notes: list[str] = []
+    cases = _known(request, quantity, notes)
+    table = _values(request, cases, quantity)
+    if table.empty:
+        return nothing(f"No model answered these cases with {title_of(quantity)}.")
+    sheet = Sheet.table(2, 1, 4.3, notes, sharex=True, height_ratios=[1.15, 1.0])
+    (top, bottom), unit = sheet.panels, unit_of(quantity).factor
+    labels = [label for label in request.labels if label in set(table["label"])]
+    if _bands(request, sheet, cases, quantity):
+        sheet.legend(Patch(**_BAND, label=f"numerical uncertainty of {request.study.reference}"))
+    for i, label in enumerate(labels):
+        rows, look = table[table["label"] == label], request.looks[label].points()
+        x = rows.pop("slot") + _ROOM * ((i + 0.5) / len(labels) - 0.5)
+        values, deviations = unit * rows.iloc[:, 2:4], 100.0 * rows.iloc[:, 4:6]
+        for panel, shown, cap in ((top, values, 0.0), (bottom, deviations, 2.0)):
+            y, width = shown.to_numpy(float).T
+            panel.errorbar(x, y, yerr=width, fmt="none", ecolor=MUTED, lw=0.9, capsize=cap)
+            panel.plot(x, y, **look)
+        sheet.legend(entry(label, **look))
+    _slots(sheet, [case.name for case in cases])
+    for case in cases:  # for the notes on what is absent
+        request.answers(case, sheet.absent, (quantity,), title_of(quantity))
+    top.set_ylabel(axis_label(quantity))
+    low, high = top.get_ylim()
+    top.set_ylim(1.08 * min(low, 0.0), 1.08 * max(high, 0.0))
+    bottom.set_ylabel(f"deviation from {against} (%)" if len(against) < 16 else "deviation (%)")
+    bottom.margins(y=0.12)
+    bottom.axhline(0.0, color=INK, linewidth=0.8, zorder=1)
+    if table["relative_error"].isna().all():
+        words = f"no comparison with {against}"
+        bottom.text(0.5, 0.5, words, transform=bottom.transAxes, ha="center")
+    sheet.record(table.drop(columns="slot"))
+    alt = f"{title_of(quantity)} of {', '.join(labels)}, and deviations from {against}"
+    return sheet.finish(alt)
+
+
+def _known(request: Request, quantity: str, notes: list[str]) -> list[Case]:
+    """Cases that have the quantity; answered ones that do not (statics, say) are named."""
+    known, without = [], []
+    for case in request.cases:
+        labels = request.shown(case)
+        if any(request.number(case, label, quantity) is not None for label in labels):
+            known.append(case)
+        elif any(request.stored.ok(case.name, label) for label in labels):
+            without.append(case.name)
+    if known and without:
+        notes.append(f"Without {title_of(quantity)} of any model: {', '.join(without)}.")
+    return first(known, MOST_CASES, "cases; the tables hold all of them", notes)
+
+
+def _values(request: Request, cases: list[Case], quantity: str) -> pd.DataFrame:
+    """A row per case and label with a value: the value and its deviation, each with its width."""
+    compared = request.errors(quantity)
+    names = ["case", "label", f"{quantity}_SI", "data_uncertainty_SI"]
+    names += ["relative_error", "uncertainty"]
+    rows = []
+    for slot, case in enumerate(cases):
+        for label in request.labels:
+            value = request.number(case, label, quantity)
+            if value is not None:
+                width = request.stored.data_uncertainty(case.name, label, quantity)
+                row = compared.get((case.name, label), {})
+                deviation = row.get("error"), row.get("uncertainty")
+                rows.append((case.name, label, value, width, *deviation, slot))
+    table = pd.DataFrame(rows, columns=[*names, "slot"])
+    return table.astype(dict.fromkeys(names[2:], float))
+
+
+def _bands(request: Request, sheet: Sheet, cases: list[Case], quantity: str) -> bool:
+    """Intervals that refinement leaves around the reference, above and below; whether there are."""
+    drawn = False
+    top, bottom = sheet.panels
+    for i, case in enumerate(cases):
+        where, row = [i - 0.46, i + 0.46], request.stored.ladder(case.name, quantity)
+        band = request.interval(case, quantity)
+        if band is not None:
+            low, high = (unit_of(quantity).factor * end for end in band)
+            top.fill_between(where, low, high, **_BAND)
+            drawn = True
+        if request.against == request.study.reference and row and row["relative"] is not None:
+            share = 100.0 * row["relative"]
+            bottom.fill_between(where, -share, share, **_BAND)
+    return drawn
+
+
+def _slots(sheet: Sheet, names: list[str]) -> None:
+    """A slot per case, its name wrapped to the width."""
+    room = max(10, 84 // len(names))
+    words = ["\n".join(textwrap.wrap(name, room)) for name in names]
+    sheet.panels[-1].set_xticks(range(len(names)), words)
+    for panel in sheet.panels:
+        panel.grid(visible=False, axis="x")
+        panel.set_xlim(-0.5, len(names) - 0.5)
+        panel.tick_params(axis="x", length=0)
+        for edge in range(1, len(names)):
+            panel.axvline(edge - 0.5, color=GRID, linewidth=0.6, zorder=0)
+
+
+def tests(request: Request) -> Drawing:
+    """Measured values up, predicted values across, with bias and coverage of the model."""
+    unit = unit_of(request.quantity)
+    tables = {label: _pairs(request, label) for label in request.labels if label != request.against}
+    tables = {label: table for label, table in tables.items() if not table.empty}
+    if not tables:
+        return nothing(f"No model answered a test with {title_of(request.quantity)}.")
+    everything = pd.concat(list(tables.values()))
+    looks = studs.campaign_looks(everything["campaign"], filled=True)
+    ends = (
+        everything[["test", "prediction"]].to_numpy()
+        + everything[["test_width", "prediction_width"]].to_numpy()
+    )
+    top = 1.06 * unit.factor * float(np.nanmax(ends))
+    sheet = Sheet.grid(len(tables), height=2.45, sharex=True)
+    for panel, (label, table) in zip(sheet.panels, tables.items(), strict=True):
+        studs.draw_diagonal(panel, top)
+        for campaign, rows in table.groupby("campaign", sort=False):
+            values = (
+                unit.factor * rows[name]
+                for name in ("prediction", "test", "prediction_width", "test_width")
+            )
+            x, y, wide, high = values
+            panel.errorbar(x, y, yerr=high, xerr=wide, fmt="none", ecolor=MUTED, lw=0.8)
+            panel.plot(x, y, **looks[str(campaign)].points())
+        sheet.name(panel, label, f"predicted ({unit.text})", f"measured ({unit.text})")
+        note, text = _summary(request, label)
+        panel.text(0.96, 0.05, note, transform=panel.transAxes, ha="right", fontsize=7.0)
+        if request.stored.synthetic:
+            framed(panel, 0.04, 0.86, _SYNTHETIC, WARNING, fontsize=7.0)
+        sheet.notes.append(text)
+        sheet.record(table)
+    for case in request.cases:  # for the notes on what is absent
+        request.answers(case, sheet.absent)
+    sheet.legend(*(entry(name, **look.points()) for name, look in looks.items()))
+    sheet.legend(*studs.diagonal_entries("measured = predicted"))
+    made = f"{_SYNTHETIC}, " if request.stored.synthetic else ""
+    return sheet.finish(f"{made}measured against predicted {title_of(request.quantity)}")
+
+
+def _pairs(request: Request, label: str) -> pd.DataFrame:
+    """A row per test that the model answers: both values and half-widths ."""
+    rows = []
+    for case in request.cases:
+        values = [request.number(case, side, request.quantity) for side in (request.against, label)]
+        test = request.stored.response(case.name, request.against)
+        answer = request.stored.response(case.name, label)
+        if test is None or answer is None or None in values:
+            continue
+        test_width = request.stored.data_uncertainty(case.name, request.against, request.quantity)
+        prediction_width = uncertainty_of(answer, request.quantity)
+        campaign = json.loads(test.attrs.get("data", "{}")).get("campaign", "all")
+        rows.append(
+            (label, case.name, campaign, *values, test_width or 0.0, prediction_width or 0.0)
+        )
+    columns = ["label", "case", "campaign", "test", "prediction", "test_width", "prediction_width"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def _summary(request: Request, label: str) -> tuple[str, str]:
+    """Return the note in the panel and the sentence below the figure."""
+    wanted = (label, request.against, request.quantity)
+    rows = request.stored.rows["validation"]
+    matching = (r for r in rows if (r["model"], r["against"], r["quantity"]) == wanted)
+    row = next(matching, None)
+    if row is None or row["bias"] is None:
+        return "", f"{label}: no bias over tests."
+    ends = row["low"], row["high"]
+    span = "" if None in ends else f" ({number(ends[0], 3)} to {number(ends[1], 3)})"
+    held = f"{row['covered']:.0f} of {row['counted']:.0f}"
+    text = f"{label}: median of test over prediction {number(row['bias'], 3)}{span}, "
+    made = f" {_SYNTHETIC}: no test." if row["synthetic"] else ""
+    return (
+        f"median {number(row['bias'], 3)}\n{held} inside",
+        f"{text}{held} inside the stated interval.{made}",
+    )
+
+
+def budget(request: Request) -> Drawing:
+    """Bars of every source of error, as changes of the answer."""
+    quantity = str(request.option("quantity", PEAK))
+    panels: dict[str, list[dict[str, Any]]] = {}
+    for row in request.stored.rows["budget"]:
+        named = request.option("case", row["case"])
+        if row["quantity"] == quantity and row["case"] == named and row["label"] in request.labels:
+            rows = panels.setdefault(row["label"], [])
+            if not rows or rows[0]["form"] == row["form"]:
+                rows.append(row)
+    if not panels:
+        return nothing("No answer whose errors are budgeted has been run.")
+    height = sum(0.2 * len(rows) + 0.35 for rows in panels.values()) + 0.35
+    sheet = Sheet.table(len(panels), 1, height, sharex=True)
+    low, high = scale([row for rows in panels.values() for row in rows])
+    for (label, rows), panel in zip(panels.items(), sheet.panels, strict=True):
+        _bars(panel, rows, high)
+        panel.set_xlim(100.0 * (low - 0.04), 100.0 * (high + _RIGHT * (high - low)))
+        value = in_unit(rows[0]["value"], quantity)
+        sheet.name(panel, f"{label}: {value} {rows[0]['form']}", "", "")
+        for row in rows:
+            sheet.record(**{name: row[name] for name in _RECORDED}, value_SI=row["value"])
+    sheet.panels[-1].set_xlabel(
+        f"change of the {title_of(quantity)} (%), {100 * COVERAGE:g} % intervals"
+    )
+    return sheet.finish(f"error budgets of the {title_of(quantity)} of {', '.join(panels)}")
+
+
+def _bars(panel: Axes, rows: list[dict[str, Any]], most: float) -> None:
+    """The bars of a model from the first term down, each with its numbers."""
+    for place, row in enumerate(rows):
+        summed = row["term"] in SUMS
+        if row["low"] is not None:
+            left, right = 100.0 * row["low"], 100.0 * min(row["high"], most)
+            color = PALETTE[0] if summed else MUTED
+            panel.barh(place, right - left, left=left, height=0.62, color=color, zorder=2)
+            if row["shift"]:
+                at = 100.0 * row["shift"]
+                panel.plot([at, at], [place - 0.31, place + 0.31], color="white", zorder=3)
+        numbers = panel.annotate(change(row), (1.0, place), (-3, 0), **_AT_THE_EDGE)
+        numbers.set_in_layout(False)  # they lie inside, and would push the labels off the page
+    panel.set_yticks(range(len(rows)), [row["term"] for row in rows])
+    panel.set_ylim(len(rows) - 0.4, -0.6)
+    panel.axvline(0.0, color=INK, linewidth=0.8, zorder=4)
+    panel.axhline(sum(row["term"] not in SUMS for row in rows) - 0.5, color=MUTED, linewidth=0.6)
+    panel.grid(visible=False, axis="y")
+    panel.tick_params(axis="y", length=0)
