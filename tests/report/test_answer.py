@@ -234,7 +234,6 @@ def test_an_error_that_is_measured_is_no_hatching(stored: Stored) -> None:
     physics = Finding("shear", "V/Vpl = 1.79", number=1.79)
     state = CellState("a", "b", "ok", "", (at_fault, physics), {}, "")
     assert state.outside == (physics,)
-    assert state.warnings == (at_fault, physics)
 
 
 def test_the_first_page_begins_with_a_picture_and_is_short(stored: Stored, tmp_path) -> None:

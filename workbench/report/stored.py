@@ -48,11 +48,6 @@ class CellState:
         return self.outcome == Outcome.OK
 
     @property
-    def warnings(self) -> tuple[Finding, ...]:
-        """The findings that are no refusals."""
-        return tuple(finding for finding in self.findings if not finding.refusal)
-
-    @property
     def outside(self) -> tuple[Finding, ...]:
         """The warnings of physics, which place the case outside the domain of the model."""
         return tuple(f for f in self.findings if f.outside and not f.expects_error)

@@ -59,13 +59,14 @@ def _trusted(study: Study, stored: Stored, group: str) -> str:
 
 def details(study: Study, stored: Stored, group: str, row: Row) -> str:
     """Against what a group is judged, a `row` of it, and the rest on the model to take."""
-    best, *others = _sure(study, stored, group) or [None]
+    sure = _sure(study, stored, group)
+    best = sure[0] if sure else None
     return PAGE.words(
         "details",
         group=group,
         against=row["against"],
         row=best,
-        others=[PAGE.words("alike", row=each) for each in others],
+        others=[PAGE.words("alike", row=each) for each in sure[1:]],
         quantity=judged(row),
         hit_at=hit_distance(study, group) if best else "",
         **(_expected(study, stored, group, best["label"]) if best else {"error": "", "case": ""}),

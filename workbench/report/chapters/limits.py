@@ -1,15 +1,18 @@
 """What is missing, and where models answered outside their own assumptions."""
 
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterable
 from functools import partial
-from typing import NamedTuple
+from math import nan
+from typing import Any
+
+import pandas as pd
 
 from workbench.content.formatting import several, valued
 from workbench.content.page import Page
 from workbench.content.tree import Cell, Column, Section, Table
-from workbench.report.stored import CellState, Stored
-from workbench.responses import Finding, Outcome
+from workbench.report.stored import Stored
+from workbench.responses import Outcome
+from workbench.responses.outcome import WARNING
 from workbench.study.definition import Study
 from workbench.study.store import NOT_RUN
 
@@ -18,66 +21,46 @@ PAGE = Page(__file__, printed=_PRINTED, mild=(NOT_RUN, Outcome.OUT_OF_DOMAIN))
 _SIMILAR = 3  # sentences of one kind that are all shown
 
 
-class _Group(NamedTuple):
-    """What several cells say alike: `kind` is what the sentences have in common."""
-
-    kind: tuple[str, ...]
-    cells: list[CellState]
-    finding: Finding
-
-    @property
-    def cases(self) -> Cell:
-        """The cases of the cells."""
-        return _names(cell.case for cell in self.cells)
-
-    @property
-    def labels(self) -> Cell:
-        """The labels of the cells."""
-        return _names(cell.label for cell in self.cells)
-
-
 def _names(names: Iterable[str]) -> Cell:
     distinct = list(dict.fromkeys(names))
     return Cell(several(distinct), len(distinct))
 
 
-def _groups(findings: Iterable[tuple[tuple[str, ...], CellState, Finding]]) -> Iterator[_Group]:
-    """Cells by what they say; many sentences that differ in their numbers become one example."""
-    kinds: dict[tuple[str, ...], dict[str, _Group]] = {}
-    for kind, cell, finding in findings:
-        alike = kinds.setdefault(kind, {})
-        alike.setdefault(finding.text, _Group(kind, [], finding)).cells.append(cell)
-    for kind, alike in kinds.items():
-        groups = list(alike.values())
-        if len(groups) <= _SIMILAR:
-            yield from groups
-            continue
-        worst = max(groups, key=lambda group: abs(group.finding.number or 0.0)).finding
-        text = PAGE.words("alike", text=worst.text, others=len(groups) - 1)
-        cells = [cell for group in groups for cell in group.cells]
-        yield _Group(kind, cells, replace(worst, text=text))
+def _groups(said: pd.DataFrame, *kind: str) -> list[dict[str, Any]]:
+    """What cells say alike; of many sentences that differ in their numbers one example.
+
+    `kind`: the columns that they have in common, besides `sentence` and `number`.
+    """
+    rows = []
+    for _, alike in said.groupby(list(kind), sort=False):
+        sentences = list(alike.groupby("sentence", sort=False))
+        if len(sentences) > _SIMILAR:
+            worst = alike.iloc[int(alike["number"].abs().fillna(0.0).argmax())]
+            text = PAGE.words("alike", text=worst["sentence"], others=len(sentences) - 1)
+            sentences = [(text, alike.assign(number=worst["number"]))]
+        for sentence, cells in sentences:
+            names = {"cases": _names(cells["case"]), "labels": _names(cells["label"])}
+            rows.append({**cells.iloc[0], "sentence": sentence, **names})
+    return rows
 
 
 def missing(study: Study, stored: Stored) -> Section | None:
     """Cells without an answer, grouped by what happened, and what was not asked."""
-    problems = [cell for cell in stored.cells.values() if not (cell.ok or cell.collapse)]
-    refusals = sum(cell.outcome == Outcome.OUT_OF_DOMAIN for cell in problems)
+    cells = pd.DataFrame(map(vars, stored.cells.values()))
+    silent = cells[~cells["outcome"].isin([Outcome.OK, Outcome.COLLAPSE])]
+    said = silent["message"].where(silent["message"] != "", PAGE.words("not_run"))
+    refusals = int((silent["outcome"] == Outcome.OUT_OF_DOMAIN).sum())
     return PAGE.section(
         "missing",
-        cells=len(stored.cells),
+        cells=len(cells),
         silent=[
             (label, study.models[label].name, kind, names)
             for (label, kind), names in study.unsupported().items()
         ],
         refusals=refusals,
-        failures=len(problems) - refusals,
-        groups=list(_groups(((c.label, c.outcome), c, _reason(c)) for c in problems)),
+        failures=len(silent) - refusals,
+        groups=_groups(silent.assign(sentence=said, number=nan), "label", "outcome"),
     )
-
-
-def _reason(cell: CellState) -> Finding:
-    """Why a cell holds no answer."""
-    return Finding(cell.outcome, cell.message or PAGE.words("not_run"))
 
 
 def collapses(stored: Stored) -> Section | None:
@@ -88,6 +71,7 @@ def collapses(stored: Stored) -> Section | None:
 
 def domain(study: Study, stored: Stored) -> Section | None:
     """Warnings of the models, and the shear demand of every case."""
+    findings = stored.tables["findings"]
     shear: dict[str, dict[str, float]] = {}
     for (case, label), value in stored.values("shear_utilisation").items():
         shear.setdefault(case, {})[label] = value
@@ -101,13 +85,7 @@ def domain(study: Study, stored: Stored) -> Section | None:
         ratio=over.get(worst),
         reference_too=any(values.get(study.reference, 0.0) > 1.0 for values in shear.values()),
         shear=_shear_table(study, shear),
-        warnings=list(
-            _groups(
-                ((finding.subject, finding.remedy), cell, finding)
-                for cell in stored.cells.values()
-                for finding in cell.warnings
-            )
-        ),
+        warnings=_groups(findings[findings["severity"] == WARNING], "subject", "remedy"),
     )
 
 

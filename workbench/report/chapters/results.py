@@ -3,9 +3,7 @@
 import json
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from math import nan
-from statistics import median
-from typing import Any, NamedTuple
+from typing import Any
 
 from workbench.assessment import METRICS, Scope
 from workbench.content.formatting import (
@@ -22,9 +20,11 @@ from workbench.content.formatting import (
 from workbench.content.page import Page
 from workbench.content.tree import ABSENT, Block, Cell, Column, Section, Table
 from workbench.report.stored import BEST, Stored
+from workbench.responses import Outcome
 from workbench.responses.uncertainty import sampled_interval
 from workbench.study.assess import width_of
 from workbench.study.definition import DATA, Study, holds_data
+from workbench.study.tables import rows_of
 from workbench.study.validation import MEASURED
 
 MARK = "SYNTHETIC, no tests: "  # before every caption of a report that shows made numbers
@@ -208,44 +208,24 @@ def _ladder_columns(study: Study) -> Iterator[Column]:
     yield Column("note", width=2.4, of=lambda row: Cell(row["note"], tone="muted"))
 
 
-class _Times(NamedTuple):
-    """Wall times of a label in one kind of scenario, s: whole answers, and solving alone."""
-
-    label: str
-    kind: str
-    whole: list[float]
-    solving: list[float]
-
-    @property
-    def median(self) -> float:
-        """Of whole answers."""
-        return median(self.whole)
-
-    @property
-    def solving_alone(self) -> float:
-        """The median; NaN where the model does not measure it."""
-        return median(self.solving or [nan])
-
-
 def cost(study: Study, stored: Stored, figures: Iterable[Block]) -> Section | None:
     """Wall times per model and the figures that set them against errors."""
     return PAGE.section(
         "cost",
-        times=list(_times(study, stored)),
+        times=_times(study, stored),
         figures=list(figures),
         kinds=len(stored.provenance),
     )
 
 
-def _times(study: Study, stored: Stored) -> Iterator[_Times]:
-    times = stored.values("wall_time"), stored.values("solve_time")
-    for label, model in study.models.items():
-        for kind in dict.fromkeys(case.scenario.KIND for case in study.cases):
-            cells = [
-                (case.name, label)
-                for case in study.cases
-                if kind == case.scenario.KIND and stored.ok(case.name, label)
-            ]
-            whole, solving = ([known[key] for key in cells if key in known] for known in times)
-            if whole and not holds_data(model):
-                yield _Times(label, kind, whole, solving)
+def _times(study: Study, stored: Stored) -> list[dict[str, Any]]:
+    """Wall times (s) by label and kind of scenario: whole answers, and the median of solving."""
+    cells = stored.tables["cells"]
+    kinds = {case.name: case.scenario.KIND for case in study.cases}
+    labels = [label for label, model in study.models.items() if not holds_data(model)]
+    timed = cells[(cells["outcome"] == Outcome.OK) & cells["wall_time"].notna()]
+    whole = timed.assign(kind=timed["case"].map(kinds)).groupby(["label", "kind"], sort=False)
+    times = whole["wall_time"].agg(["count", "min", "median", "max"])
+    times["solving"] = whole["solve_time"].median()
+    order = [(label, kind) for label in labels for kind in dict.fromkeys(kinds.values())]
+    return rows_of(times.reindex([key for key in order if key in times.index]).reset_index())
