@@ -3,10 +3,11 @@
 from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
 from math import sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from workbench.fields import Number
 from workbench.materials import Steel
 from workbench.responses import Finding, finding
 from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, FrameStatic, Member
@@ -88,6 +89,15 @@ def named(members: Sequence[str]) -> str:
 SHEAR_LOSS = 0.05  # of the resistance, by shear yielding
 ROUND_OFF = 1e-9
 SOLID_BOUND = 0.45  # V/Vpl at which a solid square has lost that, study `shear_domain`
+
+
+LAYERS = Number(4, 1000, integer=True)  # of fibers over the depth of a section
+
+
+def check_layers(model: Any) -> None:
+    """Refuse an odd number of `layers` of a model. Raises `InputError`."""
+    if model.layers % 2:
+        raise model.refusal("layers", "must be even", "an odd number loses moment")
 
 
 def fiber_section(frame: Frame, member: Member, layers: int, hardening_ratio: float) -> BeamSection:

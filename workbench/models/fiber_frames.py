@@ -7,7 +7,7 @@ sharp hinges on members that N softens (Ziemian and McGuire). Derivation:
 docs/theory/frame-models.md.
 """
 
-from abc import abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import sqrt
 from typing import ClassVar
@@ -15,11 +15,10 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.fields import Choice, Number, checked
-from workbench.frames.members import fiber_section, residual_findings
-from workbench.frames.superelements import Piece
+from workbench.frames.members import LAYERS, check_layers, fiber_section, residual_findings
 from workbench.models.bar_frames import Cut
 from workbench.models.frame_model import as_frame
-from workbench.models.hinged_frames import BarHinges
+from workbench.models.hinged_frames import BarHinges, Traits
 from workbench.responses import Finding
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
 from workbench.structures.bars import Bar, BarElements, Rule, fiber_bars, hinge_rule, lobatto_rule
@@ -27,6 +26,17 @@ from workbench.structures.fibers import PATTERNS, BeamSection, section_fibers
 from workbench.structures.fibers.section import LinearHardening, yielding_in_bending
 
 CALIBRATED = 40  # layers of the fibers that two surfaces are calibrated on
+LAYERS_HELP = "over the depth, an even number"
+HARDENING_HELP = "kinematic hardening over the elastic modulus"
+POINTS_HELP = "Gauss-Lobatto points along an element, ends included"
+OF_FIBERS = Traits(second_order=False, euler_share=0.0)
+OF_RESULTANTS = Traits(
+    "super-ellipse",
+    second_order=False,
+    euler_share=1.0 / 16.0,
+    loses_moment="the super-ellipse is some percent off the section there, on laden members up to "
+    "a quarter of the peak",
+)
 LIMITS = "No shear yielding, no local buckling; strain rate by one factor."
 FIBERS = (
     "Plane sections, elastic-perfectly plastic fibers; bending moments exactly linear between the "
@@ -43,50 +53,31 @@ RESULTANTS = (
 )
 
 
-@dataclass(frozen=True)
-class ForceBased(BarHinges):
-    """Force-based elements of fibers; `regularisation` is not used here."""
-
-    layers: int = checked(Number(4, 1000, integer=True), 20, help="over the depth, an even number")
-    hardening_ratio: float = checked(
-        Number(1e-9, 0.1), 1e-6, help="kinematic hardening over the elastic modulus"
-    )
-
-    second_order: ClassVar[bool] = False
-    euler_share: ClassVar[float] = 0.0
-
-    def check(self) -> None:
-        """Refuse layers that do not fit."""
-        if self.layers % 2:
-            raise self.refusal("layers", "must be even", "an odd number loses moment")
-
-    @abstractmethod
-    def rule(self, piece: Piece) -> Rule:
-        """Points along an element."""
-
-    def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
-        """The elements; their elastic stiffness is that of the fibers."""
-        sections = [
-            fiber_section(frame, piece.member, self.layers, self.hardening_ratio)
-            for piece in cut[2]
-        ]
-        elastic = []
-        for bar, section in zip(bars, sections, strict=True):
-            axial = float(section.law.elastic_modulus * section.area.sum())
-            bending = axial * section.radius_squared
-            elastic.append(replace(bar, axial_stiffness=axial, bending_stiffness=bending))
-        rules = [self.rule(piece) for piece in cut[2]]
-        return fiber_bars(cut[1], elastic, rules, sections, self.first_order)
+def fiber_group(
+    model: "ForceBasedBeam | FiberHinge", frame: Frame, cut: Cut, bars: list[Bar], rules: list[Rule]
+) -> BarElements:
+    """Elements with fibers at the points of their rules, which give the elastic stiffness too."""
+    sections, elastic = [], []
+    for piece, bar in zip(cut[2], bars, strict=True):
+        section = fiber_section(frame, piece.member, model.layers, model.hardening_ratio)
+        axial = float(section.law.elastic_modulus * section.area.sum())
+        bending = axial * section.radius_squared
+        sections.append(section)
+        elastic.append(replace(bar, axial_stiffness=axial, bending_stiffness=bending))
+    return fiber_bars(cut[1], elastic, rules, sections, model.first_order)
 
 
 @dataclass(frozen=True)
-class ForceBasedBeam(ForceBased):
-    """Force-based fiber element with Gauss-Lobatto points."""
+class ForceBasedBeam(BarHinges):
+    """Force-based fiber element with Gauss-Lobatto points; `regularisation` is not used."""
 
+    layers: int = checked(LAYERS, 20, help=LAYERS_HELP)
+    hardening_ratio: float = checked(Number(1e-9, 0.1), 1e-6, help=HARDENING_HELP)
     points: int = checked(Number(3, 20, integer=True), 5, help="along an element")
 
     name: ClassVar[str] = "force-based-beam"
     version: ClassVar[int] = 6
+    traits: ClassVar[Traits] = OF_FIBERS
     sources: ClassVar[tuple[str, ...]] = ("spacone1996", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Gauss-Lobatto points with fibers; without hardening plasticity stays at the end points, "
@@ -94,19 +85,26 @@ class ForceBasedBeam(ForceBased):
         *FIBERS,
     )
 
-    def rule(self, piece: Piece) -> Rule:
-        """Gauss-Lobatto points."""
-        return lobatto_rule(self.points)
+    def check(self) -> None:
+        """Refuse an odd number of layers."""
+        check_layers(self)
+
+    def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
+        """Elements with fibers at Gauss-Lobatto points."""
+        return fiber_group(self, frame, cut, bars, [lobatto_rule(self.points)] * len(bars))
 
 
 @dataclass(frozen=True)
-class FiberHinge(ForceBased):
-    """Fibers at both ends of an element that is elastic between."""
+class FiberHinge(BarHinges):
+    """Fibers at both ends of an element that is elastic between; `regularisation` is not used."""
 
+    layers: int = checked(LAYERS, 20, help=LAYERS_HELP)
+    hardening_ratio: float = checked(Number(1e-9, 0.1), 1e-6, help=HARDENING_HELP)
     hinge_length: float = checked(Number(0.01, 10.0), 1.0, help="over the depth of the section")
 
     name: ClassVar[str] = "fiber-hinge"
     version: ClassVar[int] = 6
+    traits: ClassVar[Traits] = OF_FIBERS
     sources: ClassVar[tuple[str, ...]] = ("ngohuu2007", "scott2006", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Fibers over a hinge length (the depth of the section) at both ends; what lies between "
@@ -114,53 +112,48 @@ class FiberHinge(ForceBased):
         *FIBERS,
     )
 
-    def rule(self, piece: Piece) -> Rule:
-        """Fibers at both ends, at most an eighth of the length each."""
-        return hinge_rule(self.hinge_length * piece.member.section.height / piece.length)
-
-
-@dataclass(frozen=True)
-class Resultants(BarHinges):
-    """Force-based elements, each section of which is a law of N and M."""
-
-    points: int = checked(
-        Number(3, 20, integer=True), 5, help="Gauss-Lobatto points along an element, ends included"
-    )
-
-    interaction: ClassVar[str] = "super-ellipse"
-    second_order: ClassVar[bool] = False
-    euler_share: ClassVar[float] = 1.0 / 16.0
-    loses_moment: ClassVar[str] = (
-        "the super-ellipse is some percent off the section there, on laden members up to a quarter "
-        "of the peak"
-    )
-
-    @abstractmethod
-    def law(self, frame: Frame, member: Member) -> tuple[float, float, float, bool]:
-        """Entries `inner`, `lag`, `minor` and `softens` of RESULTANT."""
+    def check(self) -> None:
+        """Refuse an odd number of layers."""
+        check_layers(self)
 
     def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
-        """The elements; two fibers each stand for their EA and EI."""
-        steel, sections, rows = frame.steel, [], []
-        laws = {member.name: self.law(frame, member) for member in frame.members}
-        elastic = LinearHardening(steel.elastic_modulus, steel.yield_stress)
-        for piece, bar in zip(cut[2], bars, strict=True):
-            p = frame.properties(piece.member)
-            radius = sqrt(p.second_moment / p.area)
-            pair = np.array([-radius, radius]), np.full(2, 0.5 * p.area)
-            sections.append(BeamSection(*pair, elastic, piece.mass))
-            stiffness = bar.axial_stiffness, bar.bending_stiffness
-            exponents = frame.strength_section(piece.member).interaction_fit()
-            surface = p.squash_load, p.plastic_moment, *exponents
-            rows.append((*stiffness, *surface, self.regularisation, *laws[piece.member.name]))
-        rules = [lobatto_rule(self.points)] * len(bars)
-        return fiber_bars(cut[1], bars, rules, sections, self.first_order, rows)
+        """Elements with fibers at both ends, at most an eighth of the length each."""
+        depths = [self.hinge_length * p.member.section.height / p.length for p in cut[2]]
+        return fiber_group(self, frame, cut, bars, [hinge_rule(depth) for depth in depths])
+
+
+def resultant_group(
+    model: "BoundingSurface | ModifiedTangentModulus",
+    frame: Frame,
+    cut: Cut,
+    bars: list[Bar],
+    law: Callable[[Frame, Member], tuple[float, float, float, bool]],
+) -> BarElements:
+    """Elements whose sections are a law of N and M; two fibers each stand for their EA and EI.
+
+    Argument: `law` of a member, entries `inner`, `lag`, `minor` and `softens` of RESULTANT.
+    """
+    steel, sections, rows = frame.steel, [], []
+    laws = {member.name: law(frame, member) for member in frame.members}
+    elastic = LinearHardening(steel.elastic_modulus, steel.yield_stress)
+    for piece, bar in zip(cut[2], bars, strict=True):
+        p = frame.properties(piece.member)
+        radius = sqrt(p.second_moment / p.area)
+        pair = np.array([-radius, radius]), np.full(2, 0.5 * p.area)
+        sections.append(BeamSection(*pair, elastic, piece.mass))
+        stiffness = bar.axial_stiffness, bar.bending_stiffness
+        exponents = frame.strength_section(piece.member).interaction_fit()
+        surface = p.squash_load, p.plastic_moment, *exponents
+        rows.append((*stiffness, *surface, model.regularisation, *laws[piece.member.name]))
+    rules = [lobatto_rule(model.points)] * len(bars)
+    return fiber_bars(cut[1], bars, rules, sections, model.first_order, rows)
 
 
 @dataclass(frozen=True)
-class BoundingSurface(Resultants):
+class BoundingSurface(BarHinges):
     """Yield surface within a bounding surface, both super-elliptic, smooth between them."""
 
+    points: int = checked(Number(3, 20, integer=True), 5, help=POINTS_HELP)
     inner: float | None = checked(
         Number(0.5, 1.0),
         optional=True,
@@ -171,6 +164,7 @@ class BoundingSurface(Resultants):
 
     name: ClassVar[str] = "bounding-surface"
     version: ClassVar[int] = 1
+    traits: ClassVar[Traits] = OF_RESULTANTS
     sources: ClassVar[tuple[str, ...]] = ("eltawil1998", "eltawil2001", "mroz1967", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Sections flow normal to a yield surface that moves within the bounding surface of the "
@@ -184,6 +178,10 @@ class BoundingSurface(Resultants):
         frame = as_frame(scenario).frame
         return super().domain(scenario) + residual_findings(frame, self.residual_stress)
 
+    def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
+        """Elements with laws of N and M at Gauss-Lobatto points."""
+        return resultant_group(self, frame, cut, bars, self.law)
+
     def law(self, frame: Frame, member: Member) -> tuple[float, float, float, bool]:
         """Surfaces of fibers in bending."""
         steel, strips = frame.steel, fiber_section(frame, member, CALIBRATED, 0.0)
@@ -195,9 +193,10 @@ class BoundingSurface(Resultants):
 
 
 @dataclass(frozen=True)
-class ModifiedTangentModulus(Resultants):
+class ModifiedTangentModulus(BarHinges):
     """Plastic hinges on members whose modulus falls with the axial force."""
 
+    points: int = checked(Number(3, 20, integer=True), 5, help=POINTS_HELP)
     minor_weight: float = checked(
         Number(0.0, 1.0),
         0.0,
@@ -207,6 +206,7 @@ class ModifiedTangentModulus(Resultants):
 
     name: ClassVar[str] = "modified-tangent-modulus"
     version: ClassVar[int] = 1
+    traits: ClassVar[Traits] = OF_RESULTANTS
     sources: ClassVar[tuple[str, ...]] = ("ziemian2002", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Modulus E min(1, (1 + 2p)(1 - p - w m)), p = N/Np, m = M/Mp, for what forces grow by "
@@ -214,6 +214,10 @@ class ModifiedTangentModulus(Resultants):
         "Perfectly plastic at the full plastic section, with normal flow.",
         *RESULTANTS,
     )
+
+    def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
+        """Elements with laws of N and M at Gauss-Lobatto points."""
+        return resultant_group(self, frame, cut, bars, self.law)
 
     def law(self, frame: Frame, member: Member) -> tuple[float, float, float, bool]:
         """One surface, and a modulus that falls."""

@@ -8,14 +8,14 @@ docs/theory/frame-models.md.
 """
 
 from dataclasses import dataclass, replace
-from math import ceil, inf, pi, sqrt
-from typing import ClassVar, cast
+from math import inf, pi
+from typing import ClassVar, NamedTuple, cast
 
 import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Flag, Number, checked
-from workbench.frames.members import fiber_section, shear_stiffness
+from workbench.frames.members import LAYERS, fiber_section, shear_stiffness
 from workbench.frames.structure import FrameStructure
 from workbench.frames.superelements import Piece, cut_members, joint_surface, series
 from workbench.hinges import YieldSurface
@@ -47,31 +47,43 @@ IMPERFECT = 0.877  # AISC 360, E3: strength of a slender column over its Euler l
 NO_MOMENT_LOST = 0.25  # of the squash load, tension of a run; EN 1993-1-1, 6.2.9.1 (4)
 
 
+class Traits(NamedTuple):
+    """What models of plastic ends differ in.
+
+    `interaction`, the rule of N and M; `second_order`, whether N bends a bar between its ends;
+    `euler_share` of a pin-ended bar, below which elements keep its squash load (0: any); whether a
+    hinge `stretches` plastically as it flows; what dead loads do that the model does not know,
+    `loses_moment`, and repeated loading, `in_cycles` ("": nothing).
+    """
+
+    interaction: str = "exact"
+    second_order: bool = True
+    euler_share: float = 0.9
+    stretches: bool = True
+    loses_moment: str = ""
+    in_cycles: str = ""
+
+
 @dataclass(frozen=True)
 class BarHinges(BarFrames):
     """Beam-columns with plastic ends."""
 
     shear_flexible: bool = checked(Flag(), True, help="elastic shear strain of members")
 
-    interaction: ClassVar[str] = "exact"  # rule of N and M
-    second_order: ClassVar[bool] = True
-    euler_share: ClassVar[float] = 0.9  # of a pin-ended bar, that its squash load is kept below
-    stretches: ClassVar[bool] = True  # whether hinges elongate plastically as they flow
-    loses_moment: ClassVar[str] = ""  # what dead loads do that the model does not know
-    in_cycles: ClassVar[str] = ""
+    traits: ClassVar[Traits] = Traits()
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings of all member models, and of events that a model is not made for."""
-        event, findings = as_frame(scenario), []
-        if isinstance(event, FrameImpact) and not self.stretches:
+        event, findings, traits = as_frame(scenario), [], self.traits
+        if isinstance(event, FrameImpact) and not traits.stretches:
             reach = hinge_limits.catenary_reach(event)
             if reach > hinge_limits.CATENARY:
                 findings.append(finding("catenary", reach, reach=reach))
-        if self.loses_moment:
-            findings += hinge_limits.axial_findings(event.frame, self.loses_moment)
+        if traits.loses_moment:
+            findings += hinge_limits.axial_findings(event.frame, traits.loses_moment)
         cyclic = isinstance(event, FrameStatic) and len(event.path) > 1
-        if self.in_cycles and (cyclic or isinstance(event, FrameGroundMotion)):
-            findings.append(finding("cycles", effect=self.in_cycles))
+        if traits.in_cycles and (cyclic or isinstance(event, FrameGroundMotion)):
+            findings.append(finding("cycles", effect=traits.in_cycles))
         return super().domain(scenario) + findings
 
     def settled(self, scenario: FrameImpact, response: Response) -> set[str]:
@@ -84,11 +96,12 @@ class BarHinges(BarFrames):
     def parts(self, scenario: FrameScenario) -> list[int]:
         """Bars per member: `elements`, and more where the squash load nears the Euler load."""
         frame, counts = scenario.frame, super().parts(scenario)
-        for number, member in enumerate(frame.members if self.euler_share else ()):
-            p, length = frame.properties(member), frame.length(member)
-            bending = self.euler_share * pi**2 * frame.steel.elastic_modulus * p.second_moment
-            counts[number] = max(counts[number], ceil(length * sqrt(p.squash_load / bending)))
-        return counts
+        if not self.traits.euler_share:
+            return counts
+        euler = self.traits.euler_share * pi**2 * frame.steel.elastic_modulus  # times I / L^2
+        slenderness = frame.each("squash_load") / (euler * frame.each("second_moment"))
+        fewest = np.ceil(frame.lengths * np.sqrt(slenderness)).astype(int)
+        return [max(pair) for pair in zip(counts, fewest.tolist(), strict=True)]
 
     def structure(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
         """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
@@ -106,7 +119,7 @@ class BarHinges(BarFrames):
             *(piece.axial, piece.bending, piece.mass),
             shear_stiffness(section, frame.steel) if self.shear_flexible else inf,
             1.0 / series(*(joint.axial_stiffness for joint in piece.joints)),
-            self.second_order and not self.first_order,
+            self.traits.second_order and not self.first_order,
         )
 
     def _end(self, frame: Frame, piece: Piece, side: int) -> PlasticEnd:
@@ -118,7 +131,7 @@ class BarHinges(BarFrames):
 
     def curve(self, frame: Frame, piece: Piece, joint_governs: bool) -> Array:
         """Share of the moment left over |N| over its resistance (2, corners)."""
-        return polyline(self.interaction, frame.strength_section(piece.member))
+        return polyline(self.traits.interaction, frame.strength_section(piece.member))
 
     def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
         """The elements."""
@@ -136,11 +149,12 @@ class Giberson(BarHinges):
     name: ClassVar[str] = "giberson"
     version: ClassVar[int] = 4
     sources: ClassVar[tuple[str, ...]] = ("giberson1967", "heng2017")
-    second_order: ClassVar[bool] = False
-    euler_share: ClassVar[float] = 0.0
-    stretches: ClassVar[bool] = False
-    loses_moment: ClassVar[str] = (
-        "hinges without N-M interaction overestimate its resistance by nearly that share"
+    traits: ClassVar[Traits] = Traits(
+        second_order=False,
+        euler_share=0.0,
+        stretches=False,
+        loses_moment="hinges without N-M interaction overestimate its resistance by nearly that "
+        "share",
     )
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic beam between two rotational springs: rigid up to the plastic moment, then of "
@@ -234,9 +248,7 @@ class PlasticHinge(BarHinges):
 class QuasiPlasticHinge(PlasticHinge):
     """Quasi-plastic hinges: plastic rotations of spreading yield, calibrated on fibers."""
 
-    layers: int = checked(
-        Number(4, 1000, integer=True), 40, help="of the fiber section that the curve is taken from"
-    )
+    layers: int = checked(LAYERS, 40, help="of the fiber section that the curve is taken from")
 
     name: ClassVar[str] = "quasi-plastic-hinge"
     version: ClassVar[int] = 5
@@ -248,8 +260,9 @@ class QuasiPlasticHinge(PlasticHinge):
         "Isotropic: after a reversal an end is elastic up to the moment that it has reached.",
         "No residual stress, no shear yielding, no local buckling; strain rate by one factor.",
     )
-    in_cycles: ClassVar[str] = (
-        "after the first full hinge of an end its yielding is sudden, as in the plastic hinge"
+    traits: ClassVar[Traits] = Traits(
+        in_cycles="after the first full hinge of an end its yielding is sudden, as in the plastic "
+        "hinge"
     )
 
     def _end(self, frame: Frame, piece: Piece, side: int) -> PlasticEnd:
@@ -280,14 +293,14 @@ class RefinedPlasticHinge(BarHinges):
 
     name: ClassVar[str] = "refined-plastic-hinge"
     version: ClassVar[int] = 6
-    interaction: ClassVar[str] = "aisc"  # H1-1, for members and joints
-    euler_share: ClassVar[float] = 0.0  # stability functions hold beyond the load of a bar
-    stretches: ClassVar[bool] = False
-    in_cycles: ClassVar[str] = (
-        "hinges soften anew in every half-cycle above half the strength, also where a section "
-        "would stay elastic"
+    traits: ClassVar[Traits] = Traits(
+        interaction="aisc",  # H1-1, for members and joints
+        euler_share=0.0,  # stability functions hold beyond the load of a bar
+        stretches=False,
+        in_cycles="hinges soften anew in every half-cycle above half the strength, also where a "
+        "section would stay elastic",
+        loses_moment="hinges then soften from small moments on, and give way too much",
     )
-    loses_moment: ClassVar[str] = "hinges then soften from small moments on, and give way too much"
     assumptions: ClassVar[tuple[str, ...]] = (
         "Hinges soften by degrees from a force state of 1/2 on, phi = 4 alpha (1 - alpha), to full "
         "hinges on the AISC surface; an end whose force state falls is elastic.",

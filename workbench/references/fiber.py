@@ -15,7 +15,7 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.fields import Choice, Number, checked
 from workbench.frames.elastic import Spans, line_wave_times, spans_to, time_to_peak
-from workbench.frames.members import named
+from workbench.frames.members import LAYERS, check_layers, named
 from workbench.frames.structure import FrameStructure, stand_frame
 from workbench.materials import Steel
 from workbench.models.base import respond
@@ -66,7 +66,7 @@ class FiberReference(FrameModel):
     largest_element: float | None = checked(
         Number(1e-4, 100.0, "m"), optional=True, help="None: by rule"
     )
-    layers: int = checked(Number(4, 1000, integer=True), 20, help="over the depth, an even number")
+    layers: int = checked(LAYERS, 20, help="over the depth, an even number")
     time_step: float | None = checked(
         Number(1e-8, 1e-2, "s"),
         optional=True,
@@ -102,8 +102,7 @@ class FiberReference(FrameModel):
 
     def check(self) -> None:
         """Refuse layers and levels that do not fit."""
-        if self.layers % 2:
-            raise self.refusal("layers", "must be even", "an odd number loses moment")
+        check_layers(self)
         check_levels(self.refinement, self.levels)
 
     @abstractmethod
