@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from collision import collide
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.impact import collide, contact_loss, explicit_percussion
+from workbench.impact import contact_loss, explicit_percussion
 
 MASS = st.floats(0.1, 1e5)
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from collision import collide
 
-from workbench.impact import contact
 from workbench.impact.complementarity import Restitution
 from workbench.impact.laboratory import run
 from workbench.impact.schemes import scheme
@@ -74,7 +74,7 @@ def test_single_dof(thesis_impact, integrator: str, stepper, restitution: float)
     scenario = ColumnImpact("hit", column, striker, duration=h * steps)
     answer = SingleDof(integrator=integrator, time_step=h).simulate(scenario)
     system = SpringColumn(column, striker.mass)
-    first = contact.collide(system.mass[0, 0], striker.mass, striker.velocity, restitution)
+    first = collide(system.mass[0, 0], striker.mass, striker.velocity, restitution)
     start = np.zeros(2), np.array([first.struck_velocity, first.striker_velocity])
     found = run(stepper, system, Restitution(restitution), start, h * steps, h)
     np.testing.assert_allclose(found.q[1:, 0], answer["displacement"].values[1:], **CLOSE)

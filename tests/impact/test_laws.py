@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from collision import collide
 
 from workbench.errors import InputError
-from workbench.impact import Restitution, collide
+from workbench.impact import Restitution
 from workbench.impact.complementarity import percussions
 from workbench.impact.system import Penalty
 

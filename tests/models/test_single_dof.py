@@ -8,12 +8,12 @@ from math import acos, pi, sqrt
 import numpy as np
 import pytest
 from builders import THESIS_CURVE, Answers, absorbed, examples
+from collision import collide
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from workbench.errors import InputError
-from workbench.impact import collide
 from workbench.materials import Steel
 from workbench.models.batch import simulate_many
 from workbench.models.energy_estimate import EnergyEstimate

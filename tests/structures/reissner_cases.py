@@ -61,11 +61,6 @@ def straight(length: float, elements: int, section: BeamSection, **more: bool) -
     return chain(np.stack([x, 0.0 * x], axis=1), section, **more)
 
 
-def tangent_of(assembly: PlanarAssembly) -> np.ndarray:
-    """The tangent in the band as a full matrix."""
-    return np.stack([assembly.tangent_times(e) for e in np.eye(assembly.size)], axis=1)
-
-
 def thesis_frame(size: float, lumped: bool = False) -> tuple[PlanarAssembly, int]:
     """Frame of Heng 2017, section 5.3, of squares, and the dof that is hit.
 

@@ -105,17 +105,3 @@ def thesis_column(**options) -> tuple[PlanarAssembly, Superelements, int]:
     assembly.add_spring(head, 1e7)
     apply_loads(assembly)
     return assembly, group, assembly.dof(1, "v")
-
-
-def random_state(assembly: PlanarAssembly, rng, size: float = 1.0) -> np.ndarray:
-    """Commit a plastic state and return random displacements beyond it."""
-    scale = size * np.tile(SCALE, assembly.size // 3)
-    base = scale * rng.normal(size=assembly.size)
-    assembly.assemble(base, None)
-    assembly.commit(base)
-    return base + scale * rng.normal(size=assembly.size)
-
-
-def full_tangent(assembly: PlanarAssembly) -> np.ndarray:
-    """Tangent of the last evaluation, column by column."""
-    return np.stack([assembly.tangent_times(row) for row in np.eye(assembly.size)], axis=1)

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from assembly_cases import alone
 from superelement_cases import EA, EI, MP, NP, PLATES
 
 from workbench.arrays import Array
@@ -21,7 +22,6 @@ from workbench.structures.bars import (
     hinged_bars,
     kernels,
 )
-from workbench.structures.elements import Bars
 
 LENGTH = 4.0
 YIELD = np.array([NP * LENGTH / EA, MP * LENGTH / (3.0 * EI), MP * LENGTH / (3.0 * EI)])
@@ -46,9 +46,7 @@ def group(
     end = PlasticEnd((NP, NP), moments, curve, hardening=hardening)
     bar = Bar(start, end, EA, EI, 71.0, shear_stiffness=shear, second_order=second_order)
     made = hinged_bars([[0, 1]], [bar], regularisation=0.0)
-    places = np.zeros((1, 36), dtype=np.int64)
-    made.place(Bars(np.arange(6)[None], places, np.array([[LENGTH, 0.0]]), np.array([LENGTH])))
-    return made
+    return alone(made, LENGTH)
 
 
 def law(bars: BarElements, trial: Array, back: Array | None = None) -> tuple[Array, Array, Array]:
@@ -170,8 +168,7 @@ def test_tangent_of_gradual_hinges(pinned: bool) -> None:
     end = PlasticEnd((NP, NP), (MP, MP), polyline("exact", PLATES), first_yield=0.88, spread=curve)
     start = replace(end, stiffness=0.0) if pinned else end
     bars = hinged_bars([[0, 1]], [Bar(start, end, EA, EI, 71.0)], regularisation=0.0)
-    places = np.zeros((1, 36), dtype=np.int64)
-    bars.place(Bars(np.arange(6)[None], places, np.array([[LENGTH, 0.0]]), np.array([LENGTH])))
+    alone(bars, LENGTH)
     (own,) = bars.tables
     size = np.sqrt([EA / LENGTH, 4 * EI / LENGTH, 4 * EI / LENGTH])
     # one end may have hardened where the other begins to: levels were sought in vain there

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from superelement_cases import EA, EI, NP
-from test_refined_bars import row
+from test_refined_bars import law, refined
 
 from workbench.structures.bars import beam_kernels
 
@@ -47,11 +47,10 @@ def bent(length: float, n: float, radius: float, growth: float) -> float:
 
     `growth`, elastic shortening that comes with it over the strain of the flanges.
     """
-    (bar, squash), turn = row(length, moment=1e9), 1e-7  # ends elastic
+    tables, turn = refined(length, moment=1e9), 1e-7  # ends elastic
     start = np.array([-n * NP * length / EA, 0.0, 0.0])
     change = np.array([-growth * RADIUS * 2.0 * turn, turn, -turn])
-    end, none, out = start + change, np.zeros(2), np.empty(5)
-    beam_kernels.refined_law(bar, squash, 1.0, radius, start, end, 0.0, none, none, out)
+    out = law(tables._replace(radius=np.array([radius])), start, start + change)
     return float(out[1] / turn)
 
 
@@ -77,7 +76,7 @@ def test_critical_loads_of_engesser_and_shanley(n: float) -> None:
 
 def test_a_column_that_is_relieved_is_elastic() -> None:
     elastic, tangent = (bent(1.0, 0.8, radius, -1.01) for radius in (RADIUS, 0.0))
-    bar, _ = row(1.0)
+    bar = refined(1.0).rows[0]
     near, far, _ = beam_kernels.stiffness(bar, -0.8 * NP, 1.0)
     assert elastic == pytest.approx(near - far, rel=1e-3)
     assert tangent < 0.6 * elastic

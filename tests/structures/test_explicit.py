@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from collision import collide
 from reissner_cases import SIDE, E, G, elastic, square, straight
 
 from workbench.errors import SolverError
-from workbench.impact import collide
 from workbench.structures import explicit
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact, stable_step

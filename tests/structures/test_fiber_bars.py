@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from assembly_cases import alone
 from superelement_cases import NP
 
 from workbench.hinges.interaction import polyline
@@ -18,7 +19,7 @@ from workbench.structures.bars import (
     lobatto_rule,
 )
 from workbench.structures.bars import fiber_kernels as kernels
-from workbench.structures.elements import Bars
+from workbench.structures.bars.kinds import FiberBarState
 from workbench.structures.fibers import BeamSection
 from workbench.structures.fibers.section import LinearHardening
 
@@ -39,19 +40,16 @@ def group(rule: Rule, fibers: BeamSection, joint: float = np.inf) -> BarElements
     ends = [PlasticEnd((NP, NP), (1e6, 1e6), curve, stiffness) for stiffness in (joint, np.inf)]
     bar = Bar(*ends, axial, axial * fibers.radius_squared, 314.0, SHEAR, second_order=False)
     made = fiber_bars([[0, 1]], [bar], [rule], [fibers])
-    places = np.zeros((1, 36), dtype=np.int64)
-    made.place(Bars(np.arange(6)[None], places, np.array([[LENGTH, 0.0]]), np.array([LENGTH])))
-    return made
+    return alone(made, LENGTH)
 
 
 def law(bars: BarElements, q, state=None):
-    """Forces, strains, new fiber states and tangent at deformations `q` from a committed state."""
-    (own,) = bars.tables
-    shape = (own.xi.shape[1], 2, own.sections.y.shape[1])
-    forces, strains, old = state or (np.zeros(3), np.zeros((shape[0], 2)), np.zeros(shape))
-    forces, strains, new, k = forces.copy(), strains.copy(), np.zeros(shape), np.empty((3, 3))
-    kernels.force_law(own, 0, np.inf, np.asarray(q, float), forces, strains, old, new, k)
-    return (forces, strains, new), k
+    """State and tangent at deformations `q` from a committed state; at rest without one."""
+    old, k = state or bars.copy()._old, np.empty((3, 3))
+    new = FiberBarState(*(values.copy() for values in old))
+    new.deformation[0] = q
+    kernels.force_law(*bars.tables, 0, np.inf, old, new, k)
+    return new, k
 
 
 @pytest.mark.parametrize("points", [3, 5, 8])
@@ -95,19 +93,18 @@ def test_equilibrium_compatibility_and_tangent_far_in_the_plastic_range(rule: Ru
         first = rng.standard_normal(3) * np.array([0.01, 0.05, 0.05])
         state, _ = law(bars, first)
         q = first + 10.0 ** rng.uniform(-4, 0) * rng.standard_normal(3) * [0.02, 0.1, 0.1]
-        (forces, strains, _), k = law(bars, q, state)
+        new, k = law(bars, q, state)
+        forces, strains, before = new.local[0], new.strains[0], state.fibers[0]
         total = own.rest[0] @ forces
         for p, (x, w) in enumerate(zip(rule.xi, rule.weights, strict=True)):
-            n, m, *_ = kernels.respond(
-                own, 0, p, np.inf, strains[p], state[2], np.zeros_like(state[2])
-            )
+            n, m, *_ = kernels.respond(own, 0, p, np.inf, strains[p], before, np.zeros_like(before))
             assert n == pytest.approx(forces[0], abs=5.0)
             assert m == pytest.approx((x - 1.0) * forces[1] + x * forces[2], abs=1.0)
             total += w * LENGTH * np.array([1.0, x - 1.0, x]) * strains[p, [0, 1, 1]]
         assert total == pytest.approx(q, abs=1e-9)
         differences = np.empty((3, 3))
         for j, step in enumerate(np.diag([1e-8, 1e-7, 1e-7])):
-            plus, minus = law(bars, q + step, state)[0][0], law(bars, q - step, state)[0][0]
+            plus, minus = (law(bars, q + s * step, state)[0].local[0] for s in (1.0, -1.0))
             differences[:, j] = (plus - minus) / (2.0 * step[j])
         off += np.abs((k - differences) / np.outer(size, size)).max() > 1e-3
     assert off <= 3  # differences across the yield point of a fiber

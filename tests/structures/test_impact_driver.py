@@ -6,10 +6,10 @@ from math import ceil, pi
 import numpy as np
 import pytest
 from beam_cases import E_STEEL, KINDS, chain, clamp, of_kind, rectangle
+from collision import collide
 from test_statics import ELASTIC
 
 from workbench.errors import SolverError
-from workbench.impact import collide
 from workbench.sections import find
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fibers import BeamSection

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import superelement_cases
+from collision import collide
 from frame_cases import bar, portal
 from hypothesis import given
 from hypothesis import strategies as st
@@ -12,7 +13,6 @@ from reissner_cases import elastic, straight
 from scipy.optimize import brentq
 from test_impact_driver import clamped_column
 
-from workbench.impact import collide
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact
 from workbench.structures.fibers import BeamSection

@@ -4,8 +4,8 @@ from math import inf
 
 import numpy as np
 import pytest
+from assembly_cases import full_tangent
 from beam_cases import E_STEEL, clamp, rectangle
-from superelement_cases import full_tangent
 
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import JointSprings

@@ -2,35 +2,44 @@
 
 from __future__ import annotations
 
-from functools import partial
 from math import log, pi
 
 import numpy as np
 import pytest
+from assembly_cases import alone
 from scipy.optimize import brentq
 from superelement_cases import EA, EI, MP, NP
 
 from workbench.hinges.interaction import polyline
 from workbench.sections import find
 from workbench.structures.bars import Bar, PlasticEnd, beam_kernels, refined_bars
-from workbench.structures.elements import Bars
+from workbench.structures.bars.kinds import RefinedState, RefinedTables
 
 
-def row(length: float, moment: float = MP):
-    """A row of BAR and its squash loads; moments so large that ends stay elastic on demand."""
+def refined(length: float, moment: float = MP) -> RefinedTables:
+    """Tables of one bar; moments so large that ends stay elastic on demand."""
     end = PlasticEnd((NP, NP), (moment, moment), polyline("aisc", find("HEB 220")))
     bars = refined_bars([[0, 1]], [Bar(end, end, EA, EI, 71.0)], regularisation=0.0)
-    places = np.zeros((1, 36), dtype=np.int64)
-    bars.place(Bars(np.arange(6)[None], places, np.array([[length, 0.0]]), np.array([length])))
-    return bars.tables[0].rows[0], bars.tables[0].squash[0]
+    alone(bars, length)
+    (tables,) = bars.tables
+    return tables
+
+
+def law(tables: RefinedTables, start, end, moment=(0.0, 0.0), turn=(0.0, 0.0)) -> np.ndarray:
+    """N, M_1, M_4 and rotations (5,) at deformations `end`, from `start` without plastic part."""
+    rows = (np.array([row]) for row in (np.zeros(3), start, 0.0, moment, turn))
+    out = np.empty(5)
+    beam_kernels.refined_law(tables, 0, RefinedState(*rows), end, out)
+    return out
 
 
 def critical(length: float, reduction: float, mode: str) -> float:
     """Compression at which the stiffness of a mode vanishes."""
-    bar, squash = row(length)
+    tables = refined(length)
+    bar = tables.rows[0]
 
     def stiffness(force: float) -> float:
-        share = reduction * beam_kernels.modulus(force / squash[1])
+        share = reduction * beam_kernels.modulus(force / tables.squash[0, 1])
         k1, k, _ = beam_kernels.stiffness(bar, -force, share)
         return {"pinned": k1 - k, "propped": k1}[mode]
 
@@ -67,8 +76,8 @@ def test_tangent_modulus_continues_the_elastic_one() -> None:
 def test_rates_are_those_of_the_thesis(moment: tuple[float, float]) -> None:
     """Equation 2.9: M' = EI/L [phi_A (S1 - S2^2/S1 (1 - phi_B)), phi_A phi_B S2; ...] theta'."""
     length, axial = 4.0, -0.1 * NP
-    bar, squash = row(length)
-    k1, k, _ = beam_kernels.stiffness(bar, axial, 1.0)
+    tables = refined(length)
+    k1, k, _ = beam_kernels.stiffness(tables.rows[0], axial, 1.0)
     moments = MP * np.array(moment)
     turn = np.linalg.solve([[k1, k], [k, k1]], moments)
     start = np.array([axial * length / EA, 0.0, 0.0])
@@ -79,12 +88,11 @@ def test_rates_are_those_of_the_thesis(moment: tuple[float, float]) -> None:
     matrix = np.array([[first, a * b * k], [a * b * k, last]])
     # an increment that raises the force state of both ends
     step = 1e-6 * np.linalg.solve([[k1, k], [k, k1]], np.sign(moments) * MP)
-    out, step = np.empty(5), np.array([0.0, *step])
-    law = partial(beam_kernels.refined_law, bar, squash, 1.0, 0.0, start)
-    law(start + step, 0.0, moments, turn, out)
+    step = np.array([0.0, *step])
+    out = law(tables, start, start + step, moments, turn)
     assert out[1:3] - moments == pytest.approx(matrix @ step[1:], rel=1e-4)
     # and back: an end whose force state falls is elastic
-    law(start - step, 0.0, moments, turn, out)
+    out = law(tables, start, start - step, moments, turn)
     elastic = np.array([[k1, k], [k, k1]]) @ -step[1:]
     assert out[1:3] - moments == pytest.approx(elastic, rel=1e-6)
 
@@ -92,34 +100,29 @@ def test_rates_are_those_of_the_thesis(moment: tuple[float, float]) -> None:
 def test_tangent_modulus_acts_on_increments() -> None:
     """A bent bar under growing compression: what it carries is not softened, what is added is."""
     length = 2.0
-    bar, squash = row(length, moment=100.0 * MP)  # ends elastic, N l^2 / EI = 0.6 at most
+    tables = refined(length, moment=100.0 * MP)  # ends elastic, N l^2 / EI = 0.6 at most
+    bar = tables.rows[0]
     at = [np.array([-share * NP * length / EA, 0.0, 0.0]) for share in (0.3, 0.8)]
-    moments, out, none = np.array([0.2, -0.2]) * MP, np.empty(5), np.zeros(2)
+    moments = np.array([0.2, -0.2]) * MP
     k1, k, _ = beam_kernels.stiffness(bar, -0.3 * NP, 1.0)
     turn = moments / (k1 - k)
-    beam_kernels.refined_law(bar, squash, 1.0, 0.0, *at, 0.0, moments, turn, out)
+    out = law(tables, *at, moments, turn)
     # P-delta of a uniformly bent bar takes N l / 6 of each rotation (Przemieniecki 1968)
     assert moments[0] - out[1] == pytest.approx(0.5 * NP * length / 6.0 * turn[0], rel=0.02)
-    bent, more = out[1:3].copy(), np.array([0.0, 1e-6, -1e-6])
-    beam_kernels.refined_law(
-        bar, squash, 1.0, 0.0, at[1], at[1] + more, 0.0, bent, out[3:].copy(), out
-    )
+    bent, more = out[1:3], np.array([0.0, 1e-6, -1e-6])
+    out = law(tables, at[1], at[1] + more, bent, out[3:])
     k1, k, _ = beam_kernels.stiffness(bar, -0.8 * NP, -2.7243 * 0.8 * log(0.8))
     state = 0.8 + 8.0 / 9.0 * bent[0] / (100.0 * MP)
     phi = 4.0 * state * (1.0 - state)
     added = phi * (k1 - k**2 / k1 * (1.0 - phi) - phi * k)  # equation 2.9, both ends alike
     assert out[1] - bent[0] == pytest.approx(1e-6 * added, rel=1e-4)
-    beam_kernels.refined_law(bar, squash, 1.0, 0.0, at[0], at[0], 0.0, none, none, out)
-    assert np.all(out[1:] == 0.0)
+    assert np.all(law(tables, at[0], at[0])[1:] == 0.0)
 
 
 def test_forces_stay_on_the_surface() -> None:
-    bar, squash = row(4.0)
-    rng = np.random.default_rng(5)
-    out = np.empty(5)
+    tables, rng = refined(4.0), np.random.default_rng(5)
     for _ in range(200):
         end = rng.standard_normal(3) * np.array([0.02, 0.1, 0.1])
-        none = np.zeros(2)
-        beam_kernels.refined_law(bar, squash, 1.0, 0.0, np.zeros(3), end, 0.0, none, none, out)
+        out = law(tables, np.zeros(3), end)
         n, m = abs(out[0]) / NP, np.abs(out[1:3]).max() / MP
         assert max(n + 8.0 / 9.0 * m, 0.5 * n + m) <= 1.0 + 1e-6

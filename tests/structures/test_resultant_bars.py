@@ -7,16 +7,17 @@ from math import exp
 
 import numpy as np
 import pytest
+from assembly_cases import alone
 from hypothesis import given
 from hypothesis import strategies as st
 from superelement_cases import EA, EI, MP, NP
+from test_fiber_bars import law
 
 from workbench.hinges.interaction import polyline
 from workbench.sections import find, square
 from workbench.structures.bars import Bar, BarElements, PlasticEnd, fiber_bars, lobatto_rule
 from workbench.structures.bars import fiber_kernels as kernels
 from workbench.structures.bars.resultant_kernels import STATES, modulus
-from workbench.structures.elements import Bars
 from workbench.structures.fibers import BeamSection, section_fibers
 from workbench.structures.fibers.section import LinearHardening, yielding_in_bending
 
@@ -41,9 +42,7 @@ def group(
     fibers = BeamSection(radius * np.array([-1.0, 1.0]), np.full(2, 0.5 * EA / 210e9), law, 71.0)
     row = (EA, EI, NP, MP, *exponents, beside, inner, lag * ENERGY, weight, softens)
     made = fiber_bars([[0, 1]], [bar], [lobatto_rule(POINTS)], [fibers], False, resultants=[row])
-    places = np.zeros((1, 36), dtype=np.int64)
-    made.place(Bars(np.arange(6)[None], places, np.array([[LENGTH, 0.0]]), np.array([LENGTH])))
-    return made
+    return alone(made, LENGTH)
 
 
 class Point:
@@ -286,38 +285,33 @@ def test_stiffness_is_the_relation_and_unloading_elastic(p, m, weight) -> None:
 @pytest.mark.parametrize("softens", [False, True])
 def test_equilibrium_and_tangent_of_an_element(softens: bool) -> None:
     bars = group(1.0 if softens else 0.7, softens=softens, beside=1e-6)
-    (tables,) = bars.tables
     rng, rule = np.random.default_rng(4), lobatto_rule(POINTS)
     size = np.array([NP, MP, MP])
     scale = np.array([YIELD[0] * LENGTH, *[YIELD[1] * LENGTH / 3.0] * 2])
 
-    def law(q, forces, strain, old):
-        carried, moved = forces.copy(), strain.copy()
-        new, k = np.zeros_like(old), np.empty((3, 3))
-        kernels.force_law(tables, 0, np.inf, q, carried, moved, old, new, k)
-        return carried, moved, new, k
-
     off = lost = 0
     for _ in range(40):
-        q = np.zeros(3)
-        state = np.zeros(3), np.zeros((POINTS, 2)), np.zeros((POINTS, STATES, 2))
+        q, state = np.zeros(3), None
         for _ in range(4):
             q = q + 10.0 ** rng.uniform(-1, 0.7) * scale * rng.standard_normal(3)
-            forces, strain, new, k = law(q, *state)
+            new, k = law(bars, q, state)
+            forces, strains, sections = new.local[0], new.strains[0], new.fibers[0]
             if not np.isfinite(forces).all():
                 lost += 1
                 break
             total = np.zeros(3)
-            for x, w, e, section in zip(rule.xi, rule.weights, strain, new, strict=True):
+            for x, w, e, section in zip(rule.xi, rule.weights, strains, sections, strict=True):
                 n, m = section[2] + 1e-6 * np.array([EA, EI]) * (e - section[2] / [EA, EI])
                 assert n == pytest.approx(forces[0], abs=1e-6 * NP)
                 assert m == pytest.approx((x - 1) * forces[1] + x * forces[2], abs=1e-6 * MP)
                 total += w * LENGTH * np.array([1.0, x - 1.0, x]) * e[[0, 1, 1]]
             assert total / scale == pytest.approx(q / scale, abs=1e-8)
-            ends = [[law(q + s * h, *state)[0] for s in (1.0, -1.0)] for h in np.diag(1e-6 * scale)]
-            differences = np.stack([(a - b) / 2e-6 for a, b in ends], axis=1)
+            differences = np.empty((3, 3))
+            for j, h in enumerate(np.diag(1e-6 * scale)):
+                plus, minus = (law(bars, q + s * h, state)[0].local[0] for s in (1.0, -1.0))
+                differences[:, j] = (plus - minus) / 2e-6
             off += np.abs((k * scale - differences) / size[:, None]).max() > 1e-3
-            state = forces, strain, new
+            state = new
     assert off <= 4  # differences across a corner
     assert lost <= 1  # steps of up to five times yield in one
 

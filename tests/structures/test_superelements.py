@@ -5,6 +5,7 @@ from math import inf
 
 import numpy as np
 import pytest
+from assembly_cases import full_tangent, random_state
 from builders import examples
 from generalized_hinge import GeneralizedHinge
 from hypothesis import given
@@ -19,8 +20,6 @@ from superelement_cases import (
     VARIANTS,
     bar,
     chain,
-    full_tangent,
-    random_state,
 )
 
 from workbench.hinges import YieldSurface
@@ -56,7 +55,7 @@ def test_tangent_by_finite_differences(variant, weight, size):
     errors = []
     for _ in range(6):
         assembly, group = moving(variant)
-        x = random_state(assembly, rng, size)
+        x = random_state(assembly, rng, size * SCALE)
         assembly.begin_step(2e-4)
         group.turn_with(assembly.displacement, np.resize(rng.normal(size=2), assembly.size))
         assembly.assemble(x, weight)
@@ -88,7 +87,7 @@ def test_work_of_the_step_is_stored_dissipated_or_kinetic(variant, seed, weight,
     """f . dq = dW + D + D_alg + dT_rot for steps of any size."""
     rng = np.random.default_rng(seed)
     assembly, group = moving(variant)
-    end = random_state(assembly, rng, size)
+    end = random_state(assembly, rng, size * SCALE)
     start = assembly.displacement.copy()
     group.turn_with(start, np.resize(rng.normal(size=2), assembly.size))
     assembly.assemble(start, weight)
@@ -113,7 +112,7 @@ def test_work_of_the_step_is_stored_dissipated_or_kinetic(variant, seed, weight,
 def test_rigid_motion_leaves_forces_alone(variant):
     rng = np.random.default_rng(2)
     assembly, group = chain([0.8, 1.3], **VARIANTS[variant])
-    x = random_state(assembly, rng)
+    x = random_state(assembly, rng, SCALE)
     forces = assembly.assemble(x, None).reshape(-1, 3)
     assembly.commit(x)
     local = group.local_forces.copy()
@@ -344,7 +343,7 @@ def test_state_is_kept_on_commit_only():
     for spoiled in (False, True):
         rng = np.random.default_rng(9)
         assembly, group = moving("rigid 1/1.3")
-        x = random_state(assembly, rng)
+        x = random_state(assembly, rng, SCALE)
         group.turn_with(assembly.displacement, np.resize(rng.normal(size=2), assembly.size))
         if spoiled:
             assembly.begin_step(1e-3)
@@ -430,7 +429,7 @@ def test_tangent_of_bars_that_flow_by_differences(law, weight):
     for _ in range(6):
         group = Superelements(np.array([[0, 1], [1, 2]]), kinds)
         assembly = PlanarAssembly(np.array([[0.0, 0.0], [0.8, 0.0], [2.1, 0.0]]), [group])
-        x = random_state(assembly, rng, 30.0)
+        x = random_state(assembly, rng, 30.0 * SCALE)
         assembly.begin_step(2e-4)
         assembly.assemble(x, weight)
         exact = full_tangent(assembly)

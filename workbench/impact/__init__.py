@@ -4,7 +4,6 @@
 """
 
 from workbench.impact.complementarity import Restitution as Restitution
-from workbench.impact.contact import collide as collide
 from workbench.impact.contact import contact_loss as contact_loss
 from workbench.impact.contact import explicit_percussion as explicit_percussion
 from workbench.impact.contact import rebound as rebound

@@ -7,7 +7,7 @@ equations with the `rebound` given here (`contact_step_of`, which decides who to
 that crushes has no restitution: its impulse is that of its law, see `crushing`.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 from workbench.compiled import njit
 from workbench.impact.crushing import TRIES, approach_at, crush_line, obeys
@@ -77,29 +77,6 @@ def explicit_percussion(
 def contact_loss(percussion: float, gamma_start: float, gamma_end: float) -> float:
     """Energy lost in the contact during the step: minus the work of P on the mean gap velocity."""
     return -0.5 * percussion * (gamma_start + gamma_end)
-
-
-class Collision(NamedTuple):
-    """Velocities (m/s) of the struck mass and the striker, percussion (N s), energy loss (J)."""
-
-    struck_velocity: float
-    striker_velocity: float
-    percussion: float
-    energy_loss: float
-
-
-def collide(
-    struck_mass: float, striker_mass: float, velocity: float, restitution: float
-) -> Collision:
-    """Collision of a striker with a free mass at rest (masses in kg, velocity in m/s)."""
-    effective = struck_mass * striker_mass / (struck_mass + striker_mass)
-    percussion = (1.0 + restitution) * effective * velocity
-    return Collision(
-        percussion / struck_mass,
-        velocity - percussion / striker_mass,
-        percussion,
-        0.5 * (1.0 - restitution**2) * effective * velocity**2,
-    )
 
 
 def contact_step_of(hit: Any, solve: Any, released: bool = True) -> Any:

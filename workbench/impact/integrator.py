@@ -98,39 +98,6 @@ COMMON = (  # columns of the records of all models, written here; kinetic energy
 DRIVE = len(Pace._fields) + 4  # numbers of a drive that the integrator reads
 
 
-class Model(NamedTuple):
-    """Functions of a model over its system `s`, compiled, bound when numba compiles an entry.
-
-    `hit(s) -> place, speed`: of the hit point, committed, along the strike from its start (m, m/s).
-    `solve(s, dt, closed, touch, striker) -> done, end speed, residual, evaluations`: trial state of
-    a step; a closed contact adds the impulse P = striker (touch - v1) against the structure.
-    `settle(s, dt) -> flow`: completes the trial (plastic flow); measure of flow for the controller.
-    `accept(s, dt)`: the trial becomes the committed state. Only here committed sums may change.
-    `write(s, records, n)`: the model's own columns of row n, of the committed state; `kinetic` is
-    that of the structure.
-    `lost(s) -> bool`: collapse, asked after each accepted step.
-    Optional: `mass(s)`, own mass (kg) of the hit point (0: none), and `kick(s, dv)`, a change of
-    its velocity: for collisions at an instant. `close(s, progress, impulse) -> done`: after an
-    accepted step, may move the structure and the striker (`progress.place`), as Gear, Gupta and
-    Leimkuhler do. `calm(s, progress) -> bool` and `coast(s, pace, progress, records, n) -> rows`:
-    the rest of the record after row n in closed form. `step(s, progress, dt, may) -> done, impulse,
-    end speed, loss`: instead of `solve`, for explicit schemes and contacts of their own.
-    """
-
-    hit: Any
-    solve: Any
-    settle: Any
-    accept: Any
-    write: Any
-    lost: Any
-    mass: Any = None
-    kick: Any = None
-    close: Any = None
-    calm: Any = None
-    coast: Any = None
-    step: Any = None
-
-
 @uncounted
 def massless(s):
     """No mass of the hit point alone."""
@@ -166,6 +133,39 @@ def no_flow(s, dt):
     return 0.0
 
 
+class Model(NamedTuple):
+    """Functions of a model over its system `s`, compiled, bound when numba compiles an entry.
+
+    `hit(s) -> place, speed`: of the hit point, committed, along the strike from its start (m, m/s).
+    `solve(s, dt, closed, touch, striker) -> done, end speed, residual, evaluations`: trial state of
+    a step; a closed contact adds the impulse P = striker (touch - v1) against the structure.
+    `settle(s, dt) -> flow`: completes the trial (plastic flow); measure of flow for the controller.
+    `accept(s, dt)`: the trial becomes the committed state. Only here committed sums may change.
+    `write(s, records, n)`: the model's own columns of row n, of the committed state; `kinetic` is
+    that of the structure.
+    `lost(s) -> bool`: collapse, asked after each accepted step.
+    Optional: `mass(s)`, own mass (kg) of the hit point (0: none), and `kick(s, dv)`, a change of
+    its velocity: for collisions at an instant. `close(s, progress, impulse) -> done`: after an
+    accepted step, may move the structure and the striker (`progress.place`), as Gear, Gupta and
+    Leimkuhler do. `calm(s, progress) -> bool` and `coast(s, pace, progress, records, n) -> rows`:
+    the rest of the record after row n in closed form. `step(s, progress, dt, may) -> done, impulse,
+    end speed, loss`: instead of `solve`, for explicit schemes and contacts of their own.
+    """
+
+    hit: Any
+    solve: Any
+    settle: Any
+    accept: Any
+    write: Any
+    lost: Any
+    mass: Any = massless
+    kick: Any = no_kick
+    close: Any = no_closing
+    calm: Any = never
+    coast: Any = no_coast
+    step: Any = None
+
+
 @njit(cache=True, error_model="numpy")
 def begin(drive, progress):
     """Return the pace of an impact; set its progress at the first call.
@@ -193,16 +193,8 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
     repeated step keeps. The status is GOING when the records (three rows at least) are full: read
     them and call again. The very first row is the start.
     """
-    hit, settle, accept, write, lost = (
-        model.hit,
-        model.settle,
-        model.accept,
-        model.write,
-        model.lost,
-    )
-    mass_of, kick, close = model.mass or massless, model.kick or no_kick, model.close or no_closing
-    calm, coast, step = model.calm or never, model.coast or no_coast, model.step
-    step = step or contact_step_of(model.hit, model.solve)
+    hit, solve, settle, accept, write, lost, mass_of, kick, close, calm, coast, step = model
+    step = step or contact_step_of(hit, solve)
 
     @called
     def record(s, pace, progress, records, n):
@@ -290,8 +282,7 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
                     return NO_CONVERGENCE, n
                 continue
             if controlled and impulse == 0.0 and not crushes:
-                own = struck_mass > 0.0
-                shorter = meeting(pace, progress, dt, own, gap, gamma, end, slack)
+                shorter = meeting(pace, progress, dt, instant, gap, gamma, end, slack)
                 if shorter < dt:
                     progress.dt = shorter
                     continue

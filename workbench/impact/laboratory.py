@@ -112,7 +112,7 @@ def implicit(
     mean = theta == 0.0
     share = 0.5 if mean else theta
     f0 = q0 if mean else system.forces(q0)[0]  # of the theta-rule alone
-    v1, P, known = v0.copy(), np.zeros(closed.size), 0.0
+    v1, P, unsolved = v0.copy(), np.zeros(closed.size), 0.0
     before, push, touching = np.abs(M @ v0), np.zeros(q0.size), closed.any()
     residual, count = np.inf, 1
     for turn in range(_ITERATIONS):
@@ -134,10 +134,10 @@ def implicit(
                 break
         v1 = v1 - np.linalg.solve(A, r)
         if touching:
-            v1, P, known = impulses_on(system, law, closed, A, v1, state, state.t + h)
+            v1, P, unsolved = impulses_on(system, law, closed, A, v1, state, state.t + h)
             push = system.normals @ P
     q1 = q0 + h * (share * v1 + (1.0 - share) * v0) + shift
-    return q1, v1, P, count - (1 if mean else 0), max(float(residual), known)
+    return q1, v1, P, count - (1 if mean else 0), max(float(residual), unsolved)
 
 
 _MOST_STEPS = 20_000_000
@@ -249,37 +249,30 @@ def run(
     given = Law(law.each(m), law.law == "poisson")
     a = np.asarray(-np.linalg.solve(mass, system.forces(q)[0]), dtype=float)
     system.commit(q)
-    records = np.zeros((count + 1, q.size)), np.zeros((count + 1, q.size))
-    impulses, energies = np.zeros((count + 1, m)), np.zeros((count + 1, 3))
-    records[0][0], records[1][0], energies[0, :2] = q, v, system.energy()
-    state = State(q, v, a, np.zeros(m), 0.0)
+    states = [State(q, v, a, np.zeros(m), 0.0)]
+    impulses, energies = [np.zeros(m)], [(*system.energy(), 0.0)]
     evaluations, begin = 0, perf_counter()
     for n in range(1, count + 1):
-        state, impulses[n], spent, residual, loss, held = stepper(system, given, state, h)
-        evaluations += spent
-        if not residual <= _SOLVED or not np.isfinite(state.q).all():
+        step = stepper(system, given, states[-1], h)
+        evaluations += step.evaluations
+        if not step.residual <= _SOLVED or not np.isfinite(step.state.q).all():
             tried = "Newton's method with the contact law inside; reduce the step"
-            if residual == np.inf:  # of the contact problem: a shorter step has the same
+            if step.residual == np.inf:  # of the contact problem: a shorter step has the same
                 tried = f"the contact law: {CONTRADICTION} (squeezed bodies); change the contacts"
-            raise SolverError(f"time {(n - 1) * h:.6g} s (step of {h:.3g} s)", residual, tried)
-        records[0][n], records[1][n] = state.q, state.v
-        energies[n] = *system.energy(), loss
-        energies[n, 0] += held
+            raise SolverError(f"time {(n - 1) * h:.6g} s (step of {h:.3g} s)", step.residual, tried)
+        stored, dissipated = system.energy()
+        states.append(step.state)
+        impulses.append(step.impulses)
+        energies.append((stored + step.stored, dissipated, step.loss))
     seconds = perf_counter() - begin
     t = np.linspace(0.0, duration, count + 1)
-    kinetic = 0.5 * np.einsum("ki,ij,kj->k", records[1], mass, records[1])
-    places = [system.surface(time)[:2] for time in t]
-    return Run(
-        t,
-        *records,
-        records[0] @ system.normals + np.array([place for place, _ in places]),
-        records[1] @ system.normals + np.array([rate for _, rate in places]),
-        impulses,
-        np.column_stack([kinetic, energies[:, :2]]),
-        energies[:, 2],
-        evaluations,
-        seconds,
-    )
+    q, v = (np.array([state[i] for state in states]) for i in range(2))
+    gaps = np.array([gaps_of(system, *at) for at in zip(q, t, strict=True)])
+    rates = np.array([rates_of(system, *at) for at in zip(v, t, strict=True)])
+    stored_dissipated, losses = np.split(np.array(energies), [2], axis=1)
+    kinetic = 0.5 * np.einsum("ki,ij,kj->k", v, mass, v)
+    moved = np.column_stack([kinetic, stored_dissipated])
+    return Run(t, q, v, gaps, rates, np.array(impulses), moved, losses[:, 0], evaluations, seconds)
 
 
 def _begin(system: System, start: Any) -> tuple[Array, Array]:

@@ -17,6 +17,12 @@ FALLEN = 0.1  # of the residual, with which a step is taken whatever its slope
 STALLED = 100.0  # times the allowed residual; iterations that stall below it have converged too
 
 
+@inner
+def no_finish(s, size):
+    """Every step is evaluated."""
+    return False
+
+
 class Equations(NamedTuple):
     """Functions of a step over a system `s`, compiled; see `integrator.Model`.
 
@@ -33,13 +39,7 @@ class Equations(NamedTuple):
     allowed: Any
     aim: Any
     bend: Any
-    finish: Any = None
-
-
-@inner
-def no_finish(s, size):
-    """Every step is evaluated."""
-    return False
+    finish: Any = no_finish
 
 
 def newton_of(equations: Equations) -> Any:
@@ -47,8 +47,7 @@ def newton_of(equations: Equations) -> Any:
 
     The unknowns hold the first guess; the residual is that over the allowed one.
     """
-    vectors, evaluate, allowed, aim, bend = equations[:5]
-    finish = equations.finish or no_finish
+    vectors, evaluate, allowed, aim, bend, finish = equations
 
     @called
     def newton(s, dt, closed, touch, striker):

@@ -25,13 +25,8 @@ _SWING = Number(-1e9, 1e9, advice="an amplitude in m, a circular frequency in ra
 class System(Protocol):
     """Mass matrix (n, n), contact normals (n, m), forces with tangent, contact frame, commit."""
 
-    @property
-    def mass(self) -> Array:
-        """Mass matrix (n, n), in kg."""
-
-    @property
-    def normals(self) -> Array:
-        """Directions W (n, m) of the contacts."""
+    mass: Array  # (n, n), in kg
+    normals: Array  # directions W (n, m) of the contacts
 
     def forces(self, q: Array) -> tuple[Array, Array]:
         """Internal less external forces (n,) at `q` from the committed state, and tangent."""
@@ -56,6 +51,7 @@ class Penalty(Declared, table="penalty"):
     stiffness: float = checked(_YIELDING)
 
 
+@dataclass(eq=False)
 class Springs:
     """Masses on springs; `springs` makes it from what a problem says.
 
@@ -65,22 +61,20 @@ class Springs:
     flow beyond; `load` (n,) in N; contact surfaces c + a sin(w t), `gap` (m,) and `swing` (a, w).
     """
 
-    def __init__(
-        self,
-        mass: Array,
-        normals: Array,
-        along: Array,
-        offset: Array,
-        laws: Array,
-        one_sided: Flags,
-        load: Array,
-        gap: Array,
-        swing: tuple[float, float],
-    ) -> None:
-        self.mass, self.normals, self.load, self.gap, self.swing = mass, normals, load, gap, swing
-        self.along, self.offset, self.one_sided = along, offset, one_sided
-        self.k, self.b, self.low, self.high = laws.T
-        self.flow, self.place, self.spent = np.zeros(len(offset)), np.zeros(len(mass)), 0.0
+    mass: Array
+    normals: Array
+    along: Array
+    offset: Array
+    laws: Array
+    one_sided: Flags
+    load: Array
+    gap: Array
+    swing: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        self.k, self.b, self.low, self.high = self.laws.T
+        self.spent, self.place = 0.0, np.zeros(len(self.mass))
+        self.flow = np.zeros(len(self.offset))
 
     def _elastic(self, q: Array) -> tuple[Array, Array, Flags]:
         """Elongations e (s,), what of them is elastic, and which of that is within its bounds."""

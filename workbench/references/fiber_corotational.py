@@ -25,8 +25,8 @@ from workbench.references.fiber_mesh import (
 from workbench.references.refine import COARSEST, REFINEMENT, refined
 from workbench.responses import Outcome, Response, finding, findings_of, outcome_of, set_findings
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, FrameStatic, Member, Scenario
-from workbench.structures.fibers import BeamSection
-from workbench.structures.fibers.beams import FiberBeams, lobatto_points, radau_rule
+from workbench.structures.fibers import BeamSection, lobatto
+from workbench.structures.fibers.beams import FiberBeams, Points, radau_rule
 
 _RETRIES = 2  # meshes of twice the element size each, after one that crumples
 INTERPOLATED, BALANCED, LOBATTO = ELEMENTS = ("interpolated", "balanced", "lobatto")
@@ -113,7 +113,7 @@ class FiberCorotational(FiberReference):
         sections = [self.section(frame, member) for member in frame.members]
         rule = radau_rule(mesh.upper) if balanced else None
         if self.element == LOBATTO:
-            rule = lobatto_points(len(mesh.member))
+            rule = Points(*lobatto(4))
         return FiberBeams(mesh.nodes, mesh.member, sections, rule, balanced=balanced)
 
     def section(self, frame: Frame, member: Member) -> BeamSection:

@@ -14,7 +14,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import InputError, SolverError
-from workbench.structures.equilibrium import DisplacementControl, Structure, free_pattern
+from workbench.structures.equilibrium import Structure, free_pattern
 from workbench.structures.paths import LARGEST_GAP, Course, PathStep
 
 ITERATIONS = 15
@@ -36,8 +36,8 @@ class _Trial(NamedTuple):
 class _Arc:
     """Steps of a given length along the path of a course, with a radius that adapts."""
 
-    def __init__(self, course: Course, increment: float, tolerance: float, most_cuts: int) -> None:
-        self.course, self.tolerance, self.most_cuts = course, tolerance, most_cuts
+    def __init__(self, course: Course, increment: float) -> None:
+        self.course = course
         self.translations = np.tile([1.0, 1.0, 0.0], course.assembly.size // 3)
         self.translations[course.assembly.held] = 0.0
         self.last: Array = np.zeros(course.assembly.size)
@@ -92,17 +92,16 @@ class _Arc:
         if trial.converged:
             end = self.course.assembly.displacement + trial.change
             gained = trial.factor - self.course.factor
-            gap = self.course.commit(end, trial.factor, LARGEST_GAP)
-            if gap <= LARGEST_GAP:
+            residual = self.course.commit(end, trial.factor)
+            if residual <= 1.0:
                 self.last, self._gained, self._in_a_row = trial.change, gained, 0
-                gap = max(gap, 0.1 * WANTED_GAP)
+                gap = max(residual * LARGEST_GAP, 0.1 * WANTED_GAP)
                 growth = sqrt(min(WANTED_ITERATIONS / trial.iterations, WANTED_GAP / gap))
                 self.radius = min(min(max(growth, 0.5), 1.5) * self.radius, self.largest)
                 return True
-            residual = gap / LARGEST_GAP
         self.cuts += 1
         self._in_a_row += 1
-        if self._in_a_row > self.most_cuts:
+        if self._in_a_row > self.course.most_cuts:
             where = f"load factor {self.course.factor:.6g}"
             raise SolverError(where, residual, f"radii down to {self.radius:.3g} m")
         self.radius *= 0.5
@@ -123,7 +122,7 @@ class _Arc:
             error -= assembly.assemble(start + change, None)
             error[held] = 0.0
             if iteration == 1:
-                allowed = assembly.allowed_residual(self.tolerance, start + change, error)
+                allowed = assembly.allowed_residual(self.course.tolerance, start + change, error)
             residual = float(np.max(np.abs(error))) / allowed
             if residual <= 1.0:
                 return _Trial(change, factor, iteration, True, residual)
@@ -148,8 +147,7 @@ class _Arc:
         """Keep the translation that moves most where it is, with a line search for the others."""
         assembly = self.course.assembly
         dof = int(np.argmax(np.abs(change * self.translations)))
-        control = self.course.control(dof, self.tolerance)
-        solution, reached = control.solve(assembly.displacement + change, factor)
+        solution, reached = self.course.lead(dof, assembly.displacement + change, factor)
         self.course.evaluations += solution.evaluations
         moved = solution.x - assembly.displacement
         converged = solution.converged and self._length(moved) <= FARTHEST * self.radius
@@ -175,14 +173,14 @@ def follow_arc(
     the radius may be halved in a row.
     Yields a `PathStep` after each commit; the last one is at `target`. Raises `SolverError`.
     """
-    course = Course(assembly, free_pattern(assembly, pattern), dof, sign)
-    arc, control = _Arc(course, increment, tolerance, most_cuts), course.control(dof, tolerance)
+    course = Course(assembly, free_pattern(assembly, pattern), dof, sign, tolerance, most_cuts)
+    arc = _Arc(course, increment)
     for _ in range(most_steps):
         while True:
             trial = arc.trial()
             ahead = course.origin + sign * target - course.at
             passed = trial.converged and trial.change[dof] * ahead >= ahead**2
-            if passed and _land(course, control, trial, ahead):
+            if passed and _land(course, trial, ahead):
                 yield arc.record()
                 return
             if arc.commit(trial._replace(converged=trial.converged and not passed)):
@@ -192,11 +190,11 @@ def follow_arc(
     raise SolverError(where, np.inf, f"{most_steps} steps of arc length on the way to {target:g}")
 
 
-def _land(course: Course, control: DisplacementControl, trial: _Trial, ahead: float) -> bool:
+def _land(course: Course, trial: _Trial, ahead: float) -> bool:
     """Commit the state `ahead` of the dof, on the way to a trial; whether that worked."""
     share = ahead / float(trial.change[course.dof])
     start = course.assembly.displacement + share * trial.change
     factor = course.factor + share * (trial.factor - course.factor)
-    solution, reached = control.solve(start, factor)
+    solution, reached = course.lead(course.dof, start, factor)
     course.evaluations += solution.evaluations
-    return solution.converged and course.commit(solution.x, reached, LARGEST_GAP) <= LARGEST_GAP
+    return solution.converged and course.commit(solution.x, reached) <= 1.0

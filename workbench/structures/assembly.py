@@ -39,7 +39,9 @@ class PlanarAssembly:
         self.coordinates: Array = np.asarray(coordinates, dtype=float).reshape(-1, 2)
         self.groups = tuple(groups)
         self.size = 3 * len(self.coordinates)
-        self._master = self._masters(tuple(ties))
+        self._master: Indices = np.arange(len(self.coordinates), dtype=np.int64)
+        for leader, slave in ties:
+            self._master[slave] = leader  # whose translations the node has
         self._dof_of_node = self._numbering()
         placed = [self._dof_of_node[group.nodes].reshape(-1, 6) for group in self.groups]
         self.width = max(5, *(int(np.max(np.ptp(dofs, axis=1))) for dofs in placed))
@@ -70,13 +72,6 @@ class PlanarAssembly:
         return other
 
     # -- numbering ---------------------------------------------------------------------------
-
-    def _masters(self, ties: tuple[tuple[int, int], ...]) -> Indices:
-        """The node whose translations each node has (nodes,): itself, or its master."""
-        master = np.arange(len(self.coordinates), dtype=np.int64)
-        for leader, slave in ties:
-            master[slave] = leader
-        return master
 
     def _numbering(self) -> Indices:
         """Dofs (nodes, 3); those that a tied node does not use are kept in `_unused`."""

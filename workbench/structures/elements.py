@@ -72,13 +72,15 @@ class ElementGroup(ABC):
 
     Arguments: `nodes` (elements, 2), node numbers; an empty `state`, a NamedTuple of arrays;
     `mass_per_length` (kg/m) of the elements, and `radius_squared` (m2) of gyration.
-    `kernels`, the compiled module with `assemble` and `account`; `crumples`, whether an element
+    `kernels`, the compiled module with `assemble` and `account`, and the `tables` that these take
+    besides bars and states, once it has its place; `crumples`, whether an element
     means nothing once a plastic hinge has shortened it to nothing, as the direction of a chord
     without length is undefined. What is read off is committed, in SI units; forces are those of a
     co-rotational element unless a kind has its own.
     """
 
     kernels: Any
+    tables: tuple[Any, ...] = ()
     crumples: ClassVar[bool] = True
 
     def __init__(
@@ -105,11 +107,6 @@ class ElementGroup(ABC):
             state = getattr(self, name)
             setattr(other, name, type(state)(*(values.copy() for values in state)))
         return other
-
-    @property
-    def tables(self) -> tuple[Any, ...]:
-        """What the kernels take besides bars and states."""
-        raise NotImplementedError
 
     def assemble(self, step: Step) -> None:
         """Add forces and tangent of a step from the committed state; keep the trial state."""

@@ -1,5 +1,5 @@
 # ruff: noqa: D102 - the methods of the protocol are described where they are written
-"""Equilibrium: Newton's method with a line search, load control, displacement control.
+"""Equilibrium: Newton's method with a line search, steps that are halved, load control.
 
 The drivers of static paths and of explicit steps go through states of a `Structure`.
 """
@@ -175,79 +175,3 @@ def free_pattern(assembly: Structure, pattern: Array) -> Array:
             "pattern", None, "loads no free dof", "put a load where the structure can move"
         )
     return free
-
-
-def present_factor(assembly: Structure, constant: Array, pattern: Array) -> float:
-    """Factor of `pattern` beside the `constant` load under which the committed state is.
-
-    Leaves the committed tangent in the assembly.
-    """
-    force = assembly.assemble(assembly.displacement, None) - constant
-    direction = pattern / np.max(np.abs(pattern))  # loads of 1e-200 N have no square
-    return float(direction @ force) / float(direction @ pattern)
-
-
-class DisplacementControl:
-    """One dof is led; the factor of a load `pattern` beside a `constant` load follows.
-
-    With the led dof held the tangent stays regular at limit points of the load. Each iteration
-    takes two solutions with it, one for the residual and one for the pattern; the row of the led
-    dof then gives the factor (Batoz and Dhatt 1979). A pattern on the led dof alone needs the first
-    only: its factor is the reaction.
-    """
-
-    def __init__(
-        self, assembly: Structure, constant: Array, pattern: Array, dof: int, tolerance: float
-    ) -> None:
-        self.assembly, self.constant, self.pattern = assembly, constant, pattern
-        self.dof, self.tolerance = dof, tolerance
-        self.held: Indices = np.union1d(assembly.held, [dof])
-        elsewhere = pattern.copy()
-        elsewhere[dof] = 0.0
-        self._alone = not np.any(elsewhere)
-
-    def solve(self, start: Array, factor: float) -> tuple[Solution, float]:
-        """Equilibrium with the led dof where it is in `start`, and its load factor."""
-        if self._alone:
-            solution, reactions = equilibrium(
-                self.assembly, self.constant, start, self.held, self.tolerance
-            )
-            return solution, float(reactions[self.dof] / self.pattern[self.dof])
-        held = self.assembly.held
-
-        def evaluate(y: Array) -> Array:
-            force = self.assembly.assemble(y[:-1], None)
-            residual = force - self.constant - y[-1] * self.pattern
-            residual[held] = 0.0
-            return np.append(residual, 0.0)
-
-        def solve(right: Array) -> Array | None:
-            return self._bordered(right[:-1])
-
-        allow = partial(self.assembly.allowed_residual, self.tolerance, start)
-        solution = newton(evaluate, allow, solve, np.append(start, factor), ITERATIONS)
-        return solution._replace(x=solution.x[:-1]), float(solution.x[-1])
-
-    def tangent_step(self, increment: float) -> tuple[Array, float]:
-        """Change of displacements (dofs,) and of the factor along the committed tangent."""
-        unit = np.zeros(self.assembly.size)
-        unit[self.dof] = increment
-        self.assembly.assemble(self.assembly.displacement, None)
-        change = self._bordered(-self.assembly.tangent_times(unit))
-        if change is None:
-            return unit, 0.0
-        return change[:-1] + unit, float(change[-1])
-
-    def _bordered(self, right: Array) -> Array | None:
-        """Solve K x - factor p = `right` with the led dof at rest; the factor comes last."""
-        row, columns = self.assembly.tangent_row(self.dof)
-        pair = self.assembly.solve(np.stack([right, self.pattern], axis=1), self.held)
-        if pair is None:
-            return None
-        free, loaded = pair[:, 0], pair[:, 1]
-        slope = float(row @ loaded[columns] - self.pattern[self.dof])
-        more = float(right[self.dof] - row @ free[columns])
-        if slope == 0.0 or not np.isfinite(more / slope):
-            return None
-        factor = more / slope
-        return np.append(free + factor * loaded, factor)

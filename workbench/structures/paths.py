@@ -17,12 +17,13 @@ from workbench.errors import InputError, SolverError
 from workbench.structures.assembly import COMPONENTS
 from workbench.structures.elements import StepEnergies
 from workbench.structures.equilibrium import (
-    DisplacementControl,
+    ITERATIONS,
+    Solution,
     Structure,
     equilibrium,
     free_pattern,
+    newton,
     pieces,
-    present_factor,
 )
 
 LEDGER_WEIGHT = 0.5  # the trapezoidal rule, in dissipation as in external work
@@ -68,8 +69,8 @@ def follow_displacement(
     if dof in assembly.held:
         raise InputError("dof", dof, "is held by a support", "lead a dof that can move")
     points = sign * np.array(_points(0.0, targets, increment))
-    course = Course(assembly, free_pattern(assembly, pattern), dof, sign)
-    yield from _lead(course, points, tolerance, most_cuts, LARGEST_GAP)
+    course = Course(assembly, free_pattern(assembly, pattern), dof, sign, tolerance, most_cuts)
+    yield from _lead(course, points)
 
 
 def follow_load(
@@ -87,9 +88,8 @@ def follow_load(
     Arguments as for `follow_displacement`, except that `dof` is only watched, and that `increment`
     is that of the factor. Raises `SolverError` where a limit point ends the path.
     """
-    course = Course(assembly, free_pattern(assembly, pattern), dof, sign)
-    points = _points(course.factor, factors, increment)
-    yield from _load(course, points, tolerance, most_cuts, LARGEST_GAP, "load factor")
+    course = Course(assembly, free_pattern(assembly, pattern), dof, sign, tolerance, most_cuts)
+    yield from _load(course, _points(course.factor, factors, increment), "load factor")
 
 
 def apply_loads(
@@ -105,10 +105,10 @@ def apply_loads(
     """
     if not np.any(assembly.load):
         return
-    course = Course(assembly, assembly.load, 0, 1.0, np.zeros(assembly.size))
+    constant = np.zeros(assembly.size)
+    course = Course(assembly, assembly.load, 0, 1.0, tolerance, most_cuts, inf, constant)
     course.factor = 0.0
-    shares = np.arange(1, steps + 1) / steps
-    for _ in _load(course, shares, tolerance, most_cuts, inf, f"{name}, share"):
+    for _ in _load(course, [share / steps for share in range(1, steps + 1)], f"{name}, share"):
         pass
 
 
@@ -122,7 +122,7 @@ def push(
     """
     pattern = np.zeros(assembly.size)
     pattern[dof] = 1.0
-    return _lead(Course(assembly, pattern, dof, 1.0), path, tolerance, most_cuts, inf)
+    return _lead(Course(assembly, pattern, dof, 1.0, tolerance, most_cuts, inf), path)
 
 
 def _points(begin: float, targets: ArrayLike, increment: float) -> list[float]:
@@ -140,7 +140,8 @@ class Course:
     """A structure on its static path: where it is, what the step under way has cost and done.
 
     Arguments: `pattern` without loads on supports; `dof` that is led or watched, along `sign`;
-    `constant` loads beside the pattern, the dead loads unless given.
+    `tolerance` of the residual; `most_cuts`, how often an increment may be halved; `largest_gap` of
+    a step, see `commit`; `constant` loads beside the pattern, the dead loads unless given.
     """
 
     def __init__(
@@ -149,12 +150,18 @@ class Course:
         pattern: Array,
         dof: int,
         sign: float,
+        tolerance: float,
+        most_cuts: int,
+        largest_gap: float = LARGEST_GAP,
         constant: Array | None = None,
     ) -> None:
         self.assembly, self.pattern, self.dof, self.sign = assembly, pattern, dof, sign
+        self.tolerance, self.most_cuts, self.largest_gap = tolerance, most_cuts, largest_gap
         self.constant = assembly.load if constant is None else constant
         self.origin = float(assembly.displacement[dof])
-        self.factor = present_factor(assembly, self.constant, pattern)
+        force = assembly.assemble(assembly.displacement, None) - self.constant
+        direction = pattern / np.max(np.abs(pattern))  # loads of 1e-200 N have no square
+        self.factor = float(direction @ force) / float(direction @ pattern)
         self.unit = "rad" if dof % len(COMPONENTS) == COMPONENTS["rotation"] else "m"
         self.evaluations = 0
         self._energies = StepEnergies(0.0, 0.0, 0.0, 0.0)
@@ -165,16 +172,66 @@ class Course:
         """Displacement of the dof, in m or rad."""
         return float(self.assembly.displacement[self.dof])
 
-    def control(self, dof: int, tolerance: float) -> DisplacementControl:
-        """Control of the displacement of a dof under the loads of the course."""
-        return DisplacementControl(self.assembly, self.constant, self.pattern, dof, tolerance)
+    def lead(self, dof: int, start: Array, factor: float) -> tuple[Solution, float]:
+        """Equilibrium with a `dof` where it is in `start`, and the load factor that it takes.
 
-    def commit(self, end: Array, factor: float, largest_gap: float = inf) -> float:
+        With the led dof held the tangent stays regular at limit points of the load. Each iteration
+        takes two solutions with it, one for the residual and one for the pattern; the row of the
+        led dof then gives the factor (Batoz and Dhatt 1979). A pattern on the led dof alone needs
+        the first only: its factor is the reaction.
+        """
+        assembly, held = self.assembly, self.assembly.held
+        if not np.any(np.delete(self.pattern, dof)):
+            with_dof = np.union1d(held, [dof])
+            solution, reactions = equilibrium(
+                assembly, self.constant, start, with_dof, self.tolerance
+            )
+            return solution, float(reactions[dof] / self.pattern[dof])
+
+        def evaluate(y: Array) -> Array:
+            residual = assembly.assemble(y[:-1], None) - self.constant - y[-1] * self.pattern
+            residual[held] = 0.0
+            return np.append(residual, 0.0)
+
+        def solve(right: Array) -> Array | None:
+            return self._bordered(dof, right[:-1])
+
+        allow = partial(assembly.allowed_residual, self.tolerance, start)
+        solution = newton(evaluate, allow, solve, np.append(start, factor), ITERATIONS)
+        return solution._replace(x=solution.x[:-1]), float(solution.x[-1])
+
+    def tangent_step(self, increment: float) -> tuple[Array, float]:
+        """Change of displacements (dofs,) and of the factor along the committed tangent."""
+        assembly, unit = self.assembly, np.zeros(self.assembly.size)
+        unit[self.dof] = increment
+        assembly.assemble(assembly.displacement, None)
+        change = self._bordered(self.dof, -assembly.tangent_times(unit))
+        if change is None:
+            return unit, 0.0
+        return change[:-1] + unit, float(change[-1])
+
+    def _bordered(self, dof: int, right: Array) -> Array | None:
+        """Solve K x - factor p = `right` with the `dof` at rest; the factor comes last."""
+        assembly = self.assembly
+        row, columns = assembly.tangent_row(dof)
+        held = np.union1d(assembly.held, [dof])
+        pair = assembly.solve(np.stack([right, self.pattern], axis=1), held)
+        if pair is None:
+            return None
+        free, loaded = pair[:, 0], pair[:, 1]
+        slope = float(row @ loaded[columns] - self.pattern[dof])
+        more = float(right[dof] - row @ free[columns])
+        if slope == 0.0 or not np.isfinite(more / slope):
+            return None
+        factor = more / slope
+        return np.append(free + factor * loaded, factor)
+
+    def commit(self, end: Array, factor: float) -> float:
         """Commit the trial state at `end`, unless the energies of the step leave too large a gap.
 
         The gap is what the trapezoidal work lacks or has too much, over the energy turned over. It
         vanishes with the step along a path, but not where the structure jumps: then the difference
-        would have set it in motion. Returns the gap.
+        would have set it in motion. Returns the gap over the largest one.
         """
         change = end - self.assembly.displacement
         step = self.assembly.account(end, LEDGER_WEIGHT)
@@ -183,8 +240,8 @@ class Course:
         gained = step.stored - self.assembly.stored
         missing = abs(work - gained - step.plastic)
         turned = abs(work) + abs(gained) + abs(step.plastic)
-        gap = missing / turned if turned > 0.0 else 0.0
-        if gap <= largest_gap:
+        gap = missing / turned / self.largest_gap if turned > 0.0 else 0.0
+        if gap <= 1.0:
             self._energies = (self._energies + step)._replace(stored=step.stored)
             self._work += work
             self.assembly.commit(end)
@@ -203,12 +260,9 @@ class Course:
         return point
 
 
-def _lead(
-    course: Course, points: ArrayLike, tolerance: float, most_cuts: int, largest_gap: float
-) -> Iterator[PathStep]:
+def _lead(course: Course, points: Array) -> Iterator[PathStep]:
     """Lead the dof of a course through displacements `points` from its origin, one record each."""
     assembly, dof = course.assembly, course.dof
-    control = course.control(dof, tolerance)
     previous, gained = np.zeros(assembly.size), 0.0
 
     def guesses(increment: float) -> Iterator[tuple[Array, float]]:
@@ -216,63 +270,56 @@ def _lead(
         if previous[dof] * increment > 0.0:
             ratio = increment / previous[dof]
             yield previous * ratio, gained * ratio
-        yield control.tangent_step(increment)
+        yield course.tangent_step(increment)
 
-    def attempt(begin: float, span: float, done: float, share: float) -> SolverError | None:
+    def attempt(begin: float, end: float, done: float, share: float) -> SolverError | None:
         nonlocal previous, gained
-        goal = begin + (done + share) * span
+        goal = begin + (done + share) * (end - begin)
         start, factor, excess = assembly.displacement, course.factor, inf
         for change, more in guesses(goal - course.at):
-            solution, reached = control.solve(start + change, factor + more)
+            solution, reached = course.lead(dof, start + change, factor + more)
             course.evaluations += solution.evaluations
             excess = solution.residual
             if solution.converged:
-                excess = course.commit(solution.x, reached, largest_gap) / largest_gap
+                excess = course.commit(solution.x, reached)
                 if excess <= 1.0:
                     previous, gained = solution.x - start, reached - factor
                     return None
         where = f"displacement {course.sign * (goal - course.origin):.6g} {course.unit}"
         tried = (
-            f"line search and increments down to 1/{2**most_cuts} from two starts; where the path "
-            "turns back in this dof, lead another one or use arc length"
+            f"line search and increments down to 1/{2**course.most_cuts} from two starts; where "
+            "the path turns back in this dof, lead another one or use arc length"
         )
         return SolverError(where, excess, tried)
 
-    for point in np.asarray(points):
-        span = course.origin + float(point) - course.at
-        taken = pieces(partial(attempt, course.at, span), most_cuts)
+    for point in course.origin + points:
+        taken = pieces(partial(attempt, course.at, point), course.most_cuts)
         yield course.record(sum(cuts for _, _, cuts in taken))
 
 
-def _load(
-    course: Course,
-    points: ArrayLike,
-    tolerance: float,
-    most_cuts: int,
-    largest_gap: float,
-    name: str,
-) -> Iterator[PathStep]:
+def _load(course: Course, points: Sequence[float], name: str) -> Iterator[PathStep]:
     """Lead the load factor of a course through `points`, one record each; `name` is for errors."""
     assembly = course.assembly
 
-    def attempt(begin: float, span: float, done: float, share: float) -> SolverError | None:
-        factor = begin + (done + share) * span
+    def attempt(begin: float, end: float, done: float, share: float) -> SolverError | None:
+        factor = begin + (done + share) * (end - begin)
         total = course.constant + factor * course.pattern
-        solution, _ = equilibrium(assembly, total, assembly.displacement, assembly.held, tolerance)
+        solution, _ = equilibrium(
+            assembly, total, assembly.displacement, assembly.held, course.tolerance
+        )
         course.evaluations += solution.evaluations
-        residual = solution.residual
+        excess = solution.residual
         if solution.converged:
-            gap = course.commit(solution.x, factor, largest_gap)
-            if gap <= largest_gap:
+            excess = course.commit(solution.x, factor)
+            if excess <= 1.0:
                 return None
-            residual = gap / largest_gap
         return SolverError(
             f"{name} {factor:.6g}",
-            residual,
-            f"line search and load steps down to 1/{2**most_cuts}; no equilibrium is within reach "
-            "past a limit point: use displacement control or arc length",
+            excess,
+            f"line search and load steps down to 1/{2**course.most_cuts}; no equilibrium is within "
+            "reach past a limit point: use displacement control or arc length",
         )
 
-    for point in np.asarray(points):
-        taken = pieces(partial(attempt, course.factor, float(point) - course.factor), most_cuts)
+    for point in points:
+        taken = pieces(partial(attempt, course.factor, point), course.most_cuts)
         yield course.record(sum(cuts for _, _, cuts in taken))

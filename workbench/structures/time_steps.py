@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import ceil
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -67,7 +67,6 @@ class TimeStep(NamedTuple):
     residual, and `cuts`, how often the step was halved. Of an impact the `striker` at the end, the
     contact `impulse` of the step in N s and the energy `contact_loss` in J. Of ground motion, all
     relative to the ground, or a force over time: the `input_energy` and `damped` energy in J.
-    `read`, what is known of the states behind several steps, whose numbers are arrays.
     """
 
     length: float
@@ -82,7 +81,6 @@ class TimeStep(NamedTuple):
     contact_loss: float = 0.0
     input_energy: float = 0.0
     damped: float = 0.0
-    read: Any = None
 
 
 class Pull(NamedTuple):

@@ -120,7 +120,7 @@ def event_driven() -> Stepper:
         residual = loss = 0.0
         for _ in range(_MOST_EVENTS):
             before = rates_of(system, state.v, state.t)
-            state, P, known = _meet(system, law, state, h)
+            state, P, unsolved = _meet(system, law, state, h)
             loss -= 0.5 * float(P @ (before + rates_of(system, state.v, state.t)))
             stretch = _Stretch(system, state, state.force > 0.0)
             span, after = stretch.first_event(end - state.t)
@@ -128,7 +128,7 @@ def event_driven() -> Stepper:
             force[stretch.on] = stretch.push(after.q, after.t)[1]
             impulses = impulses + P + 0.5 * span * (state.force + force)
             evaluations += stretch.evaluations
-            residual = max(residual, known)
+            residual = max(residual, unsolved)
             state = after._replace(force=force)
             system.commit(state.q)
             if state.t >= end - 1e-13 * h:
@@ -162,7 +162,7 @@ def _meet(system: System, law: Law, state: State, h: float) -> tuple[State, Arra
         last = np.linalg.lstsq(part, -rate[rest], rcond=None)[0]
         v = v + back[:, rest] @ last
         P[on[rest]] += last
-        push, known = complementary(part, lack[rest])
+        push, unsolved = complementary(part, lack[rest])
         push[push <= _RELEASED * np.abs(f).max()] = 0.0
-        force[on[rest]], residual = push, max(residual, known)
+        force[on[rest]], residual = push, max(residual, unsolved)
     return state._replace(v=v, force=force), P, residual

@@ -114,8 +114,8 @@ def alpha_step(
         P = h * l1
         if impulses:
             closed = forecast(system, state, h)
-            v2, P, known = impulses_on(system, law, closed, M, v1, state, t)
-            q1, v1, residual = q1 + 0.5 * h * (v2 - v1), v2, max(residual, known)
+            v2, P, unsolved = impulses_on(system, law, closed, M, v1, state, t)
+            q1, v1, residual = q1 + 0.5 * h * (v2 - v1), v2, max(residual, unsolved)
             l1 = np.zeros(l0.size)
         if rates:  # kinetic energy that the force will give back in the next step
             reach = W.T @ np.linalg.solve(M, W)

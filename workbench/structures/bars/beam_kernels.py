@@ -151,18 +151,18 @@ def soft(n, m, before, pinned):
 
 
 @njit(cache=True, error_model="numpy")
-def refined_law(bar, squash, reduction, radius, start, end, plastic, moment, turn, out):
-    """Forces at deformations `end` (3,) of an element that was at `start` (3,), in substeps.
+def refined_law(tables, e, old, end, out):
+    """Forces of element `e` at deformations `end` (3,) from its committed state, in substeps.
 
-    Arguments: a row of BAR; `squash` loads (2,) in tension and compression; `reduction` of E;
-    `radius` of gyration in m for the double modulus (0: the tangent modulus); `plastic` elongation
-    (m), `moment` and rotations `turn` (2,) at the start. Writes N, M_1, M_4 and the rotations at
-    the end to `out` (5,); result: the new plastic elongation.
+    Arguments: `tables` and state `old`, see `RefinedTables` and `RefinedState`. Writes N, M_1, M_4
+    and the rotations at the end to `out` (5,); result: the new plastic elongation.
     """
-    t1, t4 = turn[0], turn[1]
-    m1, m4 = moment[0], moment[1]
+    bar, squash, radius = tables.rows[e], tables.squash[e], tables.radius[e]
+    start, plastic = old.deformation[e], old.plastic[e]
+    t1, t4 = old.turn[e, 0], old.turn[e, 1]
+    m1, m4 = old.moment[e, 0], old.moment[e, 1]
     N = (start[0] - plastic) / bar.axial
-    share = reduction * modulus(-N / squash[1])
+    share = tables.reduction * modulus(-N / squash[1])
     k1, k, k4 = stiffness(bar, N, share)
     d1, d4 = (end[1] - start[1]) / SUBSTEPS, (end[2] - start[2]) / SUBSTEPS
     bending = radius * max(abs(4.0 * d1 + 2.0 * d4), abs(2.0 * d1 + 4.0 * d4))
@@ -182,7 +182,7 @@ def refined_law(bar, squash, reduction, radius, start, end, plastic, moment, tur
         share = modulus(-N / squash[1])
         if radius > 0.0:
             share = both_moduli(share, (before - N) * bar.axial, bending)
-        share *= reduction
+        share *= tables.reduction
         k1, k, k4 = stiffness(bar, N, share)
         e1, e4 = m1 + k1 * d1 + k * d4, m4 + k * d1 + k4 * d4
         p1 = soft(n, abs(e1) / (bar.high1 if e1 > 0.0 else -bar.low1), a1, bar.pinned1)
@@ -224,21 +224,8 @@ def assemble(step, bars, tables, old, new):
     k, work = np.empty((3, 3)), np.empty((7, 4))
     out, moved, end = np.empty(5), np.empty(5), np.empty(3)
     for e in range(bars.dofs.shape[0]):
-        bar, start, turn, moment = tables.rows[e], old.deformation[e], old.turn[e], old.moment[e]
         chord = deform(bars, e, step.end, new.deformation[e])
-        plastic = old.plastic[e]
-        new.plastic[e] = refined_law(
-            bar,
-            tables.squash[e],
-            tables.reduction,
-            tables.radius[e],
-            start,
-            new.deformation[e],
-            plastic,
-            moment,
-            turn,
-            out,
-        )
+        new.plastic[e] = refined_law(tables, e, old, new.deformation[e], out)
         linear = tables.eta * tables.stiffness[e]
         new.local[e] = out[:3] + linear @ new.deformation[e]
         new.moment[e] = out[1:3]
@@ -248,20 +235,9 @@ def assemble(step, bars, tables, old, new):
                 end[:] = new.deformation[e]
                 by = DIFFERENCE * tables.scale[e, j]
                 # onwards, so that a step does not look like unloading
-                by = -by if end[j] < start[j] else by
+                by = -by if end[j] < old.deformation[e, j] else by
                 end[j] += by
-                refined_law(
-                    bar,
-                    tables.squash[e],
-                    tables.reduction,
-                    tables.radius[e],
-                    start,
-                    end,
-                    plastic,
-                    moment,
-                    turn,
-                    moved,
-                )
+                refined_law(tables, e, old, end, moved)
                 for i in range(3):
                     k[i, j] = (moved[i] - out[i]) / by + linear[i, j]
         add_element(step, bars, e, chord, old.local[e], new.local[e], k, work)

@@ -54,13 +54,15 @@ def rise(tables, e, duration, strains, change, carried, onwards, goal, old, new)
 
 
 @njit(cache=True, error_model="numpy")
-def force_law(tables, e, duration, q, Q, strains, old, new, k):
-    """Forces of element `e` at deformations `q` (3,) from its committed state.
+def force_law(tables, e, duration, old, new, k):
+    """Forces of element `e` at the deformations of the state `new` from the committed `old` one.
 
-    Arguments: committed forces `Q` (3,) and `strains` (points, 2), which the new ones replace;
-    fiber states `old`, `new` (points, states, f). Writes the tangent `k` (3, 3); NaN forces mean
-    that there is no solution.
+    Writes forces, strains and fibers of `new`, see `FiberBarState`, and the tangent `k` (3, 3); NaN
+    forces mean that there is no solution.
     """
+    q, Q, strains = new.deformation[e], new.local[e], new.strains[e]
+    before, after = old.fibers[e], new.fibers[e]
+    Q[:], strains[:] = old.local[e], old.strains[e]
     points = strains.shape[0]
     pinned, xi, weights = tables.pinned[e], tables.xi[e], tables.weights[e]
     loose, change = np.empty((points, 2)), np.empty((points, 2))
@@ -71,7 +73,7 @@ def force_law(tables, e, duration, q, Q, strains, old, new, k):
         gap[:] = q - F @ Q
         worst = 0.0
         for p in range(points):
-            n, m, c00, c02, c22 = respond(tables, e, p, duration, strains[p], old, new)
+            n, m, c00, c02, c22 = respond(tables, e, p, duration, strains[p], before, after)
             b1, b4, w = xi[p] - 1.0, xi[p], weights[p] * tables.lengths[e]
             dn, dm = Q[0] - n, b1 * Q[1] + b4 * Q[2] - m
             worst = max(worst, abs(dn) / tables.scale[e, 0], abs(dm) / tables.scale[e, 1])
@@ -116,11 +118,13 @@ def force_law(tables, e, duration, q, Q, strains, old, new, k):
         t = 1.0
         if count > 0:  # the first step, elastic or not, makes strains compatible
             on = goal - carried
-            first = abs(rise(tables, e, duration, strains, change, carried, on, goal, old, new))
+            first = abs(
+                rise(tables, e, duration, strains, change, carried, on, goal, before, after)
+            )
             low, fall, high, climb = 0.0, -first, 1.0, np.inf
             for _ in range(CUTS):
                 there, at = carried + t * on, strains + t * change
-                end = rise(tables, e, duration, at, change, there, on, goal, old, new)
+                end = rise(tables, e, duration, at, change, there, on, goal, before, after)
                 if end > 0.5 * first:
                     high, climb = t, end
                 elif end < -0.5 * first and t < 1.0:
@@ -141,19 +145,7 @@ def assemble(step, bars, tables, old, new):
     k, work = np.empty((3, 3)), np.empty((7, 4))
     for e in range(bars.dofs.shape[0]):
         chord = deform(bars, e, step.end, new.deformation[e])
-        new.local[e] = old.local[e]
-        new.strains[e] = old.strains[e]
-        force_law(
-            tables,
-            e,
-            step.duration,
-            new.deformation[e],
-            new.local[e],
-            new.strains[e],
-            old.fibers[e],
-            new.fibers[e],
-            k,
-        )
+        force_law(tables, e, step.duration, old, new, k)
         add_element(step, bars, e, chord, old.local[e], new.local[e], k, work)
 
 
@@ -169,13 +161,10 @@ def account(weight, bars, tables, old, new):
             dx = tables.weights[e, p] * bars.lengths[e]
             before, after = old.strains[e, p], new.strains[e, p]
             if tables.elastic[e, p]:
-                area, second = (
-                    tables.modulus[e] * tables.area[e],
-                    tables.modulus[e] * tables.second[e],
-                )
-                d0, d1 = after[0] - before[0], after[1] - before[1]
-                stored += 0.5 * dx * (area * after[0] ** 2 + second * after[1] ** 2)
-                algorithmic += (weight - 0.5) * dx * (area * d0 * d0 + second * d1 * d1)
+                E, d0, d1 = tables.modulus[e], after[0] - before[0], after[1] - before[1]
+                axial, bending = E * tables.area[e], E * tables.second[e]
+                stored += 0.5 * dx * (axial * after[0] ** 2 + bending * after[1] ** 2)
+                algorithmic += (weight - 0.5) * dx * (axial * d0 * d0 + bending * d1 * d1)
                 continue
             states = old.fibers[e, p], new.fibers[e, p]
             if tables.resultants.shape[0] > 0:

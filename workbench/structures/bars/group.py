@@ -131,17 +131,12 @@ class BarElements(HingedElements):
         self.kernels, self._bars, self._make_tables = kernels, list(bars), tables
         self._elastic, self._conservative = elastic, conservative
 
-    @property
-    def tables(self) -> tuple[Any, ...]:
-        """What the kernels take besides bars and states."""
-        return (self._tables,)
-
     def place(self, bars: Bars) -> None:
         """Take its place in a structure from the assembly."""
         super().place(bars)
         rows = [bar.row(length) for bar, length in zip(self._bars, self.lengths, strict=True)]
         self._rows: Any = np.array(rows, dtype=BAR)
-        self._tables = self._make_tables(self._rows, self.lengths)
+        self.tables = (self._make_tables(self._rows, self.lengths),)
 
     def elastic(self, state: Any) -> tuple[Array, float]:
         """Elastic deformations (elements, 3) under the forces of a state, and their energy in J."""

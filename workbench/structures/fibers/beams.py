@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from workbench.arrays import Array
 from workbench.structures.elements import ElementGroup
 from workbench.structures.fibers import bernoulli_kernels, reissner_kernels
-from workbench.structures.fibers.section import BeamSection, lobatto, section_tables
+from workbench.structures.fibers.section import BeamSection, section_tables
 
 
 class FiberElements(ElementGroup):
@@ -28,6 +28,7 @@ class FiberElements(ElementGroup):
     ) -> None:
         of = np.asarray(section_of, dtype=np.int64)
         self.sections, self._sections = tuple(sections), section_tables(of, sections)
+        self.tables = (self._sections,)
         states = max(section.law.states for section in sections)
         state = self._at_rest(len(of), (states, self._sections.y.shape[1]))
         mass = np.array([section.mass_per_length for section in sections])[of]
@@ -37,11 +38,6 @@ class FiberElements(ElementGroup):
     @abstractmethod
     def _at_rest(self, count: int, fibers: tuple[int, int]) -> Any:
         """State of so many elements at rest, `fibers` (states, fibers) at each point."""
-
-    @property
-    def tables(self) -> tuple[Any, ...]:
-        """What the kernels take besides bars and states: the sections."""
-        return (self._sections,)
 
     @property
     @abstractmethod
@@ -65,9 +61,10 @@ class FiberElements(ElementGroup):
 
 
 class Points(NamedTuple):
-    """Quadrature along the elements, (elements, points): `xi` in 0..1 and `weights`.
+    """Quadrature along the elements: `xi` in 0..1 and `weights`, (elements, points).
 
-    `spread` of the axial strain over the points of balanced elements, else zero.
+    Also (points,), the same in all. `spread` of the axial strain over the points of balanced
+    elements, else zero.
     """
 
     xi: Array
@@ -75,11 +72,10 @@ class Points(NamedTuple):
     spread: Array | float = 0.0
 
 
-def gauss_rule(elements: int, points: int = 2) -> Points:
+def gauss_rule(points: int = 2) -> Points:
     """The same Gauss-Legendre points in every element."""
     abscissae, weights = np.polynomial.legendre.leggauss(points)
-    tile = (elements, 1)
-    return Points(np.tile(0.5 * (1.0 + abscissae), tile), np.tile(0.5 * weights, tile))
+    return Points(0.5 * (1.0 + abscissae), 0.5 * weights)
 
 
 def radau_rule(hinge_at_end: ArrayLike) -> Points:
@@ -93,12 +89,6 @@ def radau_rule(hinge_at_end: ArrayLike) -> Points:
     abscissae = np.where(at_end, [[1.0 / 3.0, 1.0]], [[0.0, 2.0 / 3.0]])
     weights = np.where(at_end, [[0.75, 0.25]], [[0.25, 0.75]])
     return Points(abscissae, weights)
-
-
-def lobatto_points(elements: int, points: int = 4) -> Points:
-    """The same Gauss-Lobatto points in every element, both ends among them."""
-    xi, weights = lobatto(points)
-    return Points(np.tile(xi, (elements, 1)), np.tile(weights, (elements, 1)))
 
 
 class FiberState(NamedTuple):
@@ -133,26 +123,22 @@ class FiberBeams(FiberElements):
         rule: Points | None = None,
         balanced: bool = False,
     ) -> None:
-        rule = gauss_rule(len(np.atleast_1d(section_of))) if rule is None else rule
-        spread = np.zeros_like(rule.weights)
-        if balanced:
-            if rule.weights.shape[1] != 2:
-                raise ValueError("the axial force can be balanced between two points only")
-            # no mean: sum(w spread) = 0
-            spread = rule.weights[:, ::-1] * np.array([1.0, -1.0])
-        self._points = rule._replace(spread=spread)
+        xi, weights, _ = gauss_rule() if rule is None else rule
+        if balanced and weights.shape[-1] != 2:
+            raise ValueError("the axial force can be balanced between two points only")
+        # no mean: sum(w spread) = 0
+        spread = weights[..., ::-1] * [1.0, -1.0] if balanced else np.zeros_like(weights)
+        shape = len(np.atleast_1d(section_of)), weights.shape[-1]
+        every = (np.broadcast_to(each, shape).copy() for each in (xi, weights, spread))
+        self._points = Points(*every)
         super().__init__(nodes, section_of, sections)
+        self.tables = self._points, self._sections
 
     def _at_rest(self, count: int, fibers: tuple[int, int]) -> FiberState:
         points = self._points.xi.shape[1]
         return FiberState(
             np.zeros((count, points, *fibers)), np.zeros((count, 3)), np.zeros((count, 5))
         )
-
-    @property
-    def tables(self) -> tuple[Any, ...]:
-        """What the kernels take besides bars and states: points and sections."""
-        return self._points, self._sections
 
     @property
     def elongations(self) -> Array:

@@ -221,6 +221,7 @@ class Superelements(HingedElements):
             scratch(len(pairs), self._columns),
             laws,
         )
+        self.tables = (self._tables,)
 
     def _rotary_inertias(self, kind: str) -> Array:
         """Inertia of the turning chord (elements,) in kg m2 where it is of a kind, else zero."""
@@ -255,11 +256,6 @@ class Superelements(HingedElements):
         d = self.bars.chords + displacement[last] - displacement[first]
         v = velocity[last] - velocity[first]
         self._old.rate[:] = (d[:, 0] * v[:, 1] - d[:, 1] * v[:, 0]) / np.sum(d**2, axis=1)
-
-    @property
-    def tables(self) -> tuple[Any, ...]:
-        """What the kernels take besides bars and states."""
-        return (self._tables,)
 
     @property
     def plastic(self) -> Array:

@@ -30,14 +30,6 @@ def _quadratic(matrix, x):
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def elastic_trial(e, deformation, plastic, trial):
-    """Write what of the deformation of element `e` is elastic if nothing flows any more."""
-    trial[0] = deformation[e, 0] - plastic[e, 0] - plastic[e, 2]
-    trial[1] = deformation[e, 1] - plastic[e, 1]
-    trial[2] = deformation[e, 2] - plastic[e, 3]
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
 def _on_surfaces(e, hinges, trial, forces, k, flow):
     """Forces of element `e` nearest to the elastic ones of `trial`, their tangent, and the flow.
 
@@ -197,7 +189,9 @@ def settle(weight, hinges, old, new):
         stored += 0.5 * eta * _quadratic(stiffness, new.deformation[e])
         for i in range(3):
             forces[i] = carried[i]
-        elastic_trial(e, new.deformation, new.plastic, trial)
+        trial[0] = new.deformation[e, 0] - gone[0] - gone[2]
+        trial[1] = new.deformation[e, 1] - gone[1]
+        trial[2] = new.deformation[e, 2] - gone[3]
         project(e, 0.0, hinges, new.plastic, trial, forces, k, flow)
         mean = 0.0
         for h in range(4):
