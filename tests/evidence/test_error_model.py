@@ -15,17 +15,21 @@ import pytest
 from workbench.cli import run
 from workbench.errors import Collapse, CollapseError, Mechanism
 from workbench.evidence import error_model
+from workbench.evidence.descriptors import FACTOR
 from workbench.evidence.error_model import anchor_peak, expected_error, truth_ratio, widened
 from workbench.evidence.error_table import (
     ANCHOR,
     COLUMNS,
+    FACTOR_BEAM,
     FINEST,
+    RATES,
     REFERENCE,
     TABLES,
     TRUTH,
+    LocalMean,
     ends_of,
 )
-from workbench.evidence.local import LocalMean
+from workbench.models.strain_rate import stronger
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.references.fiber_shear import FiberShear
 from workbench.registry import make_model
@@ -70,8 +74,10 @@ def stored(monkeypatch: pytest.MonkeyPatch):
 @pytest.mark.parametrize("table", TABLES.values(), ids=TABLES)
 def test_a_table_of_other_versions_of_anchor_or_reference_is_refused(table) -> None:
     """Whoever raises one of them measures again: `workbench data measure`."""
+    both = 100 * FlexibleSuperelement.version + FiberShear.version  # whose factor, and which beam
     for name, column in ((table.anchor, "anchor"), (table.reference, "reference")):
-        assert set(table.rows[f"{column}_version"]) == {make_model(name).version}, name
+        version = both if name == FACTOR_BEAM else make_model(name).version
+        assert set(table.rows[f"{column}_version"]) == {version}, name
     assert {*table.words, *table.cells, TRUTH, table.anchor} <= set(table.rows)
     assert table.rows["case"].is_unique
 
@@ -237,6 +243,29 @@ def test_the_doubt_about_the_reference_adds_in_quadrature() -> None:
     assert moved[high] - 0.02 == pytest.approx(np.hypot(values[high], half))
     assert 0.02 - moved[low] == pytest.approx(np.hypot(values[low], half))
     assert np.all(np.diff(moved) > 0.0)
+
+
+def test_a_rate_law_adds_what_one_factor_leaves_out() -> None:
+    """In quadrature to the error of the column with that factor; hardening was not measured."""
+    rows = RATES.rows[np.isfinite(RATES.ratios)]
+    held = []
+    for _, row in rows.iloc[::9].iterrows():
+        hit = drawn(row)
+        alike = stronger(hit, RATES.features(hit)[FACTOR])
+        assert anchor_peak(hit) == pytest.approx(anchor_peak(alike), rel=1e-9)
+        ratios, cell, reason, features = truth_ratio(hit)
+        if reason:
+            continue
+        plain, plain_cell, *_ = truth_ratio(alike)
+        assert cell == plain_cell
+        assert ratios == pytest.approx(widened(plain, RATES.truths(features)))
+        low, high = ends_of(len(ratios))
+        held.append(ratios[low] <= np.log(row[TRUTH] / anchor_peak(hit)) <= ratios[high])
+    assert len(held) >= 10
+    assert np.mean(held) >= 0.8
+    steel = replace(hit.column.steel, hardening_modulus=2.1e9)
+    hard = replace(hit, column=replace(hit.column, steel=steel))
+    assert truth_ratio(hard).reason == "errors were measured without hardening"
 
 
 def test_the_verb_measures_a_table_and_goes_on_where_it_was(

@@ -152,12 +152,13 @@ def test_what_leaves_the_rate_out_says_so(rated: ColumnImpact) -> None:
     assert "hardening" in subjects("four-dof", replace(rated, column=hardening))
 
 
-def test_nothing_was_measured_with_a_rate(rated: ColumnImpact) -> None:
+def test_nothing_was_measured_with_a_factor_that_was_not_drawn(rated: ColumnImpact) -> None:
+    """Mild steel's law at a yield stress of 355 MPa."""
     from workbench.evidence.error_model import expected_error
 
     error = expected_error(rated, make_model("four-dof").simulate(rated))
     assert error.expected is None
-    assert "strain rate" in error.reason
+    assert "factor on the yield stress for the strain rate" in error.reason
 
 
 def test_the_range_of_a_grade_holds_overstress_that_fades() -> None:

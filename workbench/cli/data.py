@@ -118,7 +118,7 @@ def _added(added: Any) -> Iterator[Block]:
 @app.command("measure")
 @verb
 def measure(
-    name: str = typer.Argument(metavar="TABLE", help="Which table: columns, pulses or frames."),
+    name: str = typer.Argument(metavar="TABLE", help="One of columns, rates, pulses, frames."),
     store: StoreRoot = "reports",
     jobs: int | None = option("Worker processes.  [default: one per core]", None),
     out: str | None = option(

@@ -62,13 +62,6 @@ _BECAUSE = {  # subjects of warnings that a measured error replaces, as its caus
 }
 
 
-def expected(model: Model, scenario: Any, response: Response) -> ExpectedError:
-    """The error to expect of a model's answer, as far as the model is to be `judged`."""
-    if not is_judged(model) and model.name != REFERENCE:
-        return ExpectedError(ANCHOR, reason=f"{model.name} is not judged by the anchor")
-    return expected_error(scenario, response)
-
-
 def is_judged(model: Model) -> bool:
     """Whether the error of a model is told by the anchor.
 
@@ -101,7 +94,10 @@ def advised(model: Model, scenario: Any, response: Response) -> Response:
 def _advised(
     model: Model, scenario: Any, response: Response
 ) -> tuple[list[Finding], ExpectedError]:
-    error, findings = expected(model, scenario, response), findings_of(response)
+    findings = findings_of(response)
+    error = ExpectedError(ANCHOR, reason=f"{model.name} is not judged by the anchor")
+    if is_judged(model) or model.name == REFERENCE:
+        error = expected_error(scenario, response)
     if survives(response) is not None:
         findings = judged(model, scenario, error, findings)
     findings = [*findings, *creeping(scenario, response)]

@@ -10,6 +10,7 @@ from workbench.frames.column_estimate import column_like
 from workbench.models.domain import shear_demand
 from workbench.models.hit_mass import elastic_energy, front_velocity
 from workbench.models.practice.biggs import Biggs
+from workbench.models.strain_rate import rate_factor, stronger
 from workbench.scenarios import ColumnImpact, FrameImpact, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
 
@@ -36,6 +37,12 @@ PULSE_FEATURES = {
     "shorter_over_length": FEATURES["shorter_over_length"],
 }
 FRAME_FEATURES = FEATURES | {"members": "members of the frame"}
+FACTOR = "rate_factor"
+RATE_FEATURES = {
+    DEMAND: FEATURES[DEMAND],
+    STRIKER: FEATURES[STRIKER],
+    FACTOR: "factor on the yield stress for the strain rate",
+}
 _NO_NUMBERS = ("levels",)  # options that leave the answer as it is
 
 
@@ -69,6 +76,12 @@ def features(scenario: ColumnImpact) -> dict[str, float]:
         "front": striker.velocity / front_velocity(scenario),
         "shorter_over_length": min(below, above) / column.length,
     }
+
+
+def rate_features(scenario: ColumnImpact) -> dict[str, float]:
+    """Those of the column with one factor on the yield stress, and the factor, of a rate law."""
+    factor = rate_factor(scenario, shear_yields=True)
+    return {**features(stronger(scenario, factor)), FACTOR: factor}
 
 
 def pulse_features(scenario: MemberPulse) -> dict[str, float]:

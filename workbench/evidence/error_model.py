@@ -20,7 +20,7 @@ from workbench.arrays import Array
 from workbench.errors import OutOfDomainError
 from workbench.evidence.error_table import ANCHOR, FINEST, ErrorTable, ends_of, table_of
 from workbench.models.base import options_of
-from workbench.models.strain_rate import steel_of
+from workbench.models.strain_rate import feels_rate, steel_of
 from workbench.registry import make_model
 from workbench.responses import Response, survives
 from workbench.scenarios import MemberPulse
@@ -89,7 +89,7 @@ def expected_error(scenario: Any, response: Response) -> ExpectedError:
 
     The anchor itself is not run again. Raises `InputError` if it is not installed.
     """
-    name, peak = response.attrs["model"], _peak(response)
+    name, peak = response.attrs["model"], reached(response)[0]
     table = table_of(scenario)
     own = table is not None and _is_anchor(response, table.anchor)
     error = _error(scenario, name, peak, peak if own else None)
@@ -151,18 +151,27 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     if striker is not None and striker.crushes:
         return TruthRatio(np.empty(0), reason="errors were measured with rigid strikers")
     table, steel = _table(scenario), steel_of(scenario)
-    if steel is not None and (steel.rate or steel.hardening_modulus) is not None:
-        reason = "errors were measured without strain rate and hardening"
+    if steel is not None and steel.hardening_modulus is not None:
+        return TruthRatio(np.empty(0), reason="errors were measured without hardening")
+    rated = _rated(scenario)
+    if rated is None and feels_rate(scenario):
+        reason = f"errors of {scenario.KIND} were measured without strain rate"
         return TruthRatio(np.empty(0), reason=reason)
     try:
-        values = table.features(scenario)
+        values = (rated or table).features(scenario)
     except OutOfDomainError as error:
         return TruthRatio(np.empty(0), reason=f"not measured here: {error}")
-    reason = table.unknown(values)
+    reason = table.unknown(values) or (rated.unknown(values) if rated else "")
     if reason:
         return TruthRatio(np.empty(0), reason=reason)
     ratios = widened(table.truths(values), table.doubts(values))
+    ratios = widened(ratios, rated.truths(values)) if rated else ratios
     return TruthRatio(ratios, table.cell(values), features=values)
+
+
+def _rated(scenario: Any) -> ErrorTable | None:
+    """The table of what the rate law of a scenario adds; None without a law, or where unknown."""
+    return _table(scenario).rated if feels_rate(scenario) else None
 
 
 def widened(values: Array, doubts: Array) -> Array:
@@ -187,7 +196,7 @@ def anchor_peak(scenario: Any) -> float:
 @lru_cache(maxsize=256)
 def _anchor(scenario: Any) -> tuple[float, float]:
     """Peak and residual displacement of the anchor in m, NaN where it has none."""
-    return _numbers(make_model(_table(scenario).anchor).simulate(scenario))
+    return reached(make_model(_table(scenario).anchor).simulate(scenario))
 
 
 def _table(scenario: Any) -> ErrorTable:
@@ -205,30 +214,29 @@ def residual_ends(scenario: Any, response: Response | None = None) -> tuple[floa
     table = table_of(scenario)
     if table is None or truth_ratio(scenario).reason:
         return None
-    parts = table.residuals(truth_ratio(scenario).features)
-    if not len(parts):
+    features, rated = truth_ratio(scenario).features, _rated(scenario)
+    parts = table.residuals(features)
+    more = rated.residuals(features) if rated else parts
+    if not len(parts) or not len(more):
         return None
     if response is not None and _is_anchor(response, table.anchor):
-        peak, residual = _numbers(response)
+        peak, residual = reached(response)
     else:
         peak, residual = _anchor(scenario)
     if isnan(residual):
         return None
+    parts = widened(parts, more) if rated else parts
     low, high = ends_of(len(parts))
     return residual + float(parts[low]) * peak, residual + float(parts[high]) * peak
 
 
-def _numbers(response: Response) -> tuple[float, float]:
-    stands = survives(response) and RESIDUAL in response
-    return _peak(response), float(response[RESIDUAL]) if stands else nan
-
-
-def _peak(response: Response) -> float:
+def reached(response: Response) -> tuple[float, float]:
+    """Peak and residual displacement (m): infinite and NaN at a collapse, NaN where not known."""
     alive = survives(response)
-    if alive is False:
-        return inf
-    known = alive and PEAK in response and float(response[PEAK]) > 0.0
-    return float(response[PEAK]) if known else nan
+    if not alive:
+        return nan if alive is None else inf, nan
+    peak, residual = (float(response.get(name, nan)) for name in (PEAK, RESIDUAL))
+    return peak if peak > 0.0 else nan, residual
 
 
 def _is_anchor(response: Response, anchor: str) -> bool:

@@ -1,4 +1,9 @@
-"""Tables of the error of the anchor: drawn scenarios of one kind, their features and cells."""
+"""Tables of the error of the anchor: drawn scenarios of one kind, their features and cells.
+
+What is expected at a point from measured ones near it is a line through all plus the mean rest
+near. *Source:* Hoerl and Kennard 1970 for the ridge; Vovk, Gammerman and Shafer 2005 for rests
+whose own value is left out (docs/theory/error-model.md).
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -17,20 +22,64 @@ from workbench.evidence.descriptors import (
     FRAME_FEATURES,
     LOADED,
     PULSE_FEATURES,
+    RATE_FEATURES,
     STRIKER,
     features,
     frame_features,
     pulse_features,
+    rate_features,
 )
-from workbench.evidence.local import LocalMean
 from workbench.scenarios import ColumnImpact, FrameImpact, MemberPulse
 
 ANCHOR, REFERENCE, FINEST = "flexible-superelement", "fiber-shear", "solid-plane-stress"
+FACTOR_BEAM = "fiber-shear-factor"  # the reference with one factor for the strain rate
 COVERAGE = 0.90  # share of truths inside an interval
-MARGIN, NEAREST = 0.05, 20  # of the range of a feature that nobody drew; neighbours with a truth
+MARGIN, NEAREST = 0.05, 20  # of the range of a feature that nobody drew; neighbours of a point
+RIDGE = 10.0  # on standard features
+CUT = 0.02  # share of the values at each end that the line does not follow
 LEAST = 19  # values whose extremes hold nine of ten
 FEWEST = 8  # drawn scenarios from which the error of the reference is known
 TRUTH = "reference_peak"  # column of the table, in m; infinite: a collapse, empty: none
+
+
+class LocalMean:
+    """Expected values from measured `values` (n,) at `points` (n, k), on any scales."""
+
+    def __init__(self, points: Array, values: Array) -> None:
+        self.values = values
+        self._mean, self._scale = points.mean(axis=0), np.maximum(points.std(axis=0), 1e-9)
+        self._places = self._standard(points)
+        sides, shrink = self._with_one(self._places), RIDGE * np.eye(points.shape[1] + 1)
+        shrink[0, 0] = 0.0
+        cut = np.clip(values, *np.quantile(values, [CUT, 1.0 - CUT]))
+        self._line = np.linalg.solve(sides.T @ sides + shrink, sides.T @ cut)
+        self._off = cut - sides @ self._line
+
+    def at(self, point: Array) -> float:
+        """What is expected at a point (k,); measured ones at this very point are left out."""
+        place = self._standard(point)
+        distances = np.linalg.norm(self._places - place, axis=1)
+        distances[distances == 0.0] = np.inf
+        near = np.argsort(distances, kind="stable")[: min(NEAREST, len(distances) - 1)]
+        weights = 1.0 - (distances[near] / distances[near[-1]]) ** 2 + 1e-9
+        line = float(self._with_one(place) @ self._line)
+        return line + float(weights @ self._off[near] / weights.sum())
+
+    @cached_property
+    def rests(self) -> Array:
+        """The values less what the others make expect of them (n,)."""
+        points = self._places * self._scale + self._mean
+        rests: Array = self.values - np.array([self.at(point) for point in points])
+        return rests
+
+    def _standard(self, points: Array) -> Array:
+        standard: Array = np.round((points - self._mean) / self._scale, 9)
+        return standard
+
+    @staticmethod
+    def _with_one(places: Array) -> Array:
+        sides: Array = np.concatenate([np.ones((*places.shape[:-1], 1)), places], axis=-1)
+        return sides
 
 
 @dataclass(frozen=True)
@@ -42,7 +91,7 @@ class ErrorTable:
     of features between cells; `doubted`, those between which the finest reference judged the
     reference (empty: it did not); share by which the peak of an anchor `grows`, at 1.05 of the
     load, that is close to collapse; whether intervals are `centred` by what is near; names of
-    `anchor` and `reference`.
+    `anchor` and `reference`; the table of what a rate law adds (`rated`; None: not measured).
     """
 
     kind: str
@@ -56,6 +105,7 @@ class ErrorTable:
     centred: bool = False
     anchor: str = ANCHOR
     reference: str = REFERENCE
+    rated: "ErrorTable | None" = None
 
     @cached_property
     def rows(self) -> pd.DataFrame:
@@ -175,6 +225,15 @@ def ends_of(count: int) -> tuple[int, int]:
     return low, count - 1 - low
 
 
+RATES = ErrorTable(
+    kind=ColumnImpact.KIND,
+    dataset="rates",
+    study="drawn_rates",
+    features=rate_features,
+    words=RATE_FEATURES,
+    cells={STRIKER: (0.6,), DEMAND: (1.0,)},
+    anchor=FACTOR_BEAM,
+)
 COLUMNS = ErrorTable(
     kind=ColumnImpact.KIND,
     dataset="columns",
@@ -184,6 +243,7 @@ COLUMNS = ErrorTable(
     cells={STRIKER: (0.6, 5.0), DEMAND: (0.5, 1.0)},
     doubted={STRIKER: (0.6,), DEMAND: (0.5, 1.0)},
     centred=True,
+    rated=RATES,
 )
 PULSES = ErrorTable(
     kind=MemberPulse.KIND,
@@ -202,9 +262,10 @@ FRAMES = ErrorTable(
     words=FRAME_FEATURES,
     cells={STRIKER: (0.6, 5.0)},
 )
-TABLES = {table.dataset: table for table in (COLUMNS, PULSES, FRAMES)}
+OF_KINDS = {table.kind: table for table in (COLUMNS, PULSES, FRAMES)}
+TABLES = {table.dataset: table for table in (*OF_KINDS.values(), RATES)}
 
 
 def table_of(scenario: Any) -> ErrorTable | None:
     """The table of a scenario's kind; None where errors were not measured."""
-    return next((table for table in TABLES.values() if table.kind == scenario.KIND), None)
+    return OF_KINDS.get(scenario.KIND)

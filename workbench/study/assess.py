@@ -20,7 +20,7 @@ from workbench.responses import (
 )
 from workbench.responses.variables import SCALARS, TIMES
 from workbench.study.cells import Cell, cells_of
-from workbench.study.chooser import error_tables
+from workbench.study.chooser import RANKING_COLUMNS, error_tables, ranking_rows
 from workbench.study.comparisons import (
     LADDER_COLUMNS,
     Answers,
@@ -38,7 +38,6 @@ from workbench.study.matrix import (
     cost_rows,
     matrix_rows,
 )
-from workbench.study.ranking import RANKING_COLUMNS, ranking_rows
 from workbench.study.store import NOT_RUN, Record, Store
 from workbench.study.tables import (
     Columns,

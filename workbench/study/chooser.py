@@ -1,27 +1,43 @@
-"""What the error model is worth on the drawn scenarios of a study: by cell, by model, as a chooser.
+"""Which model to take: rankings over large groups of cases, and what the error model is worth.
 
-All of it is cross-validated: what is said of a case comes from the other cases of its cell. As in
+Models are ranked by the errors of their peaks; pairs of answers on the same column say which of two
+errs less. What the error model says of the drawn scenarios of a study, by cell, by model and as a
+chooser, is cross-validated: what is said of a case comes from the other cases of its cell. As in
 `evidence/error_model.py`, ln(answer / truth) is ln(answer / anchor), which is known, plus what the
 others near it make expect of ln(anchor / truth); ends are order statistics of the rests.
 """
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+from scipy.stats import binomtest
 
 from workbench.errors import OutOfDomainError
 from workbench.evidence.descriptors import variant_of
 from workbench.evidence.error_model import BEYOND, WARNED, chance_beyond
-from workbench.evidence.error_table import TABLES, ends_of, table_of
-from workbench.evidence.local import LocalMean
+from workbench.evidence.error_table import LocalMean, ends_of, table_of
 from workbench.models.strain_rate import feels_rate
 from workbench.responses import Outcome
 from workbench.study.definition import Study
-from workbench.study.ranking import errors_of
+from workbench.study.matrix import errors_of
 from workbench.study.tables import Columns, Row, Tables, counts, numbers, table, texts
 
+LARGE_GROUP = 20  # columns from which models of a group are ranked by counts
+_MIDDLE = (5.0, 50.0, 95.0)  # percentiles of the errors that are told
+# of the columns that were `judged`: `low` and `high`, beyond the bound; percentiles of the ratios
+# to the reference; of `pairs` with the best model, `against`, those that this `wins`, and the
+# `chance` of as many if both were equal (sign test; ties count for neither)
+RANKING_COLUMNS = (
+    texts("group", "label")
+    | counts("asked", "judged", "within", "low", "high", "false_alarm", "false_safe", "refused")
+    | numbers("least", "median", "most")
+    | texts("against")
+    | counts("pairs", "wins")
+    | numbers("chance")
+)
 FEWEST = 20  # cases of a cell, of which anything is said
 REACH = 0.9  # share of the errors within `reach`
 QUICK, CORRECTED, SURE = (
@@ -47,6 +63,49 @@ COVERAGE_COLUMNS = (
 )
 # `chooses`: whether the `way` is to choose among models, else one model; `seconds`, mean of a case
 CHOOSER_COLUMNS = texts("way") | counts("chooses", "count", "within") | numbers("reach", "seconds")
+
+
+def ranking_rows(study: Study, tables: Tables) -> Iterator[Row]:
+    """A row for every large group and model, the best first, with its pairs against that one.
+
+    Ranked by columns not within the bound, then by the median size of the error.
+    """
+    errors, cells = errors_of(study, tables), tables["cells"]
+    for group, names in study.groups.items():
+        if len(names) < LARGE_GROUP:
+            continue
+        of_models = errors[errors.index.isin(names)].dropna(axis="columns", how="all")
+        sizes = of_models.abs()
+        ranks = pd.DataFrame({"missed": -(sizes <= BEYOND).sum(), "size": sizes.median()})
+        order = ranks.sort_values(["missed", "size"], kind="stable").index
+        of_group = cells[cells["case"].isin(names)]
+        for label in order:
+            ends = of_group.loc[of_group["label"] == label, "outcome"]
+            judged = of_models[label].dropna()
+            finite = judged[np.isfinite(judged)]
+            spread = np.percentile(finite, _MIDDLE) if len(finite) else ()
+            best, other = sizes[order[0]], sizes[label]
+            apart = best.notna() & other.notna() & (best != other)
+            pairs, wins = int(apart.sum()), int((best < other)[apart].sum())
+            chance = binomtest(wins, pairs, alternative="greater").pvalue if pairs else None
+            yield {
+                "group": group,
+                "label": label,
+                "asked": len(ends),
+                "judged": len(judged),
+                "within": (judged.abs() <= BEYOND).sum(),
+                "low": (judged < -BEYOND).sum(),
+                "high": (judged > BEYOND).sum(),
+                "false_alarm": (judged == np.inf).sum(),
+                "false_safe": (judged == -np.inf).sum(),
+                "refused": (ends == Outcome.OUT_OF_DOMAIN).sum(),
+                **{
+                    name: float(f"{1.0 + value:.4g}")
+                    for name, value in zip(("least", "median", "most"), spread, strict=False)
+                },
+                **{"against": order[0], "pairs": pairs, "wins": wins},
+                "chance": None if chance is None else float(f"{chance:.2g}"),
+            }
 
 
 class _Drawn(NamedTuple):
@@ -96,27 +155,26 @@ def error_tables(study: Study, tables: Tables) -> dict[str, pd.DataFrame]:
 
 
 def _drawn(study: Study, tables: Tables) -> _Drawn | None:
-    scenarios = {case.name: case.scenario for case in study.cases}
-    anchors = {each.anchor for each in TABLES.values()}
+    scenarios: dict[str, Any] = {case.name: case.scenario for case in study.cases}
     errors = errors_of(study, tables)
+    of_kind = table_of(scenarios[errors.index[0]]) if len(errors) else None
+    if of_kind is None:
+        return None
     models = {label: study.models[label] for label in map(str, errors)}
-    anchor = next((n for n, m in models.items() if m.name in anchors and not variant_of(m)), "")
+    anchors = (n for n, m in models.items() if m.name == of_kind.anchor and not variant_of(m))
+    anchor = next(anchors, "")
     if not anchor:
         return None
-    errors = errors[errors[anchor].notna()]
-    words, places, points = {}, {}, {}
-    for case in errors.index:
-        of_kind = table_of(scenarios[case])
-        if of_kind is None or feels_rate(scenarios[case]):
-            continue
-        try:
-            features = of_kind.features(scenarios[case])
-        except OutOfDomainError:  # such a scenario has no cell
-            continue
-        words[case] = of_kind.cell(features)
-        points[case] = of_kind.scaled(features) if of_kind.centred else None
-        places[case] = [np.searchsorted(b, features[n], "right") for n, b in of_kind.cells.items()]
-    cells = pd.Series(words, dtype="str")[sorted(words, key=places.__getitem__)]
+    listed = {}
+    for case in errors.index[errors[anchor].notna()]:
+        with suppress(OutOfDomainError):  # such a scenario has no cell
+            if of_kind.kind == scenarios[case].KIND and not feels_rate(scenarios[case]):
+                listed[case] = of_kind.features(scenarios[case])
+    features = pd.DataFrame.from_dict(listed, orient="index", columns=list(of_kind.words))
+    places = [np.searchsorted(b, features[n], "right") for n, b in of_kind.cells.items()]
+    features = features.iloc[np.lexsort(places[::-1])]
+    words = (of_kind.cell(dict(row)) for _, row in features.iterrows())
+    cells = pd.Series(list(words), features.index, dtype="str")
     cells = cells[cells.map(cells.value_counts()) >= FEWEST]
     if cells.empty:
         return None
@@ -127,22 +185,15 @@ def _drawn(study: Study, tables: Tables) -> _Drawn | None:
     collapses = fallen[anchor] ^ np.isinf(errors[anchor])
     known = (errors.notna() & ~fallen).mul(~fallen[anchor] & ~collapses, axis=0)
     logs = errors.where(known).transform(np.log1p)
-    rests = _rests(logs[anchor], points)
+    rests, stands = logs[anchor].copy(), known[anchor]
+    if of_kind.centred and stands.any():
+        points = of_kind.scaled(features.loc[stands.index[stands]])
+        rests[stands] = LocalMean(points, rests[stands].to_numpy()).rests
     expected = _expected(logs, rests.groupby(cells))
     seconds = timed.reindex(errors.index)
     return _Drawn(
         *(anchor, study.reference, cells, errors, seconds, fallen, collapses, known), *expected
     )
-
-
-def _rests(logs: pd.Series, points: dict[Any, Any]) -> pd.Series:
-    """ln(anchor / truth), less what others near their `points` make expect where there are any."""
-    known = [case for case in logs.dropna().index if points[case] is not None]
-    rests = logs.copy()
-    if known:
-        places = np.array([points[case] for case in known])
-        rests[known] = LocalMean(places, logs[known].to_numpy()).rests
-    return rests
 
 
 def _expected(logs: pd.DataFrame, by_cell: Any) -> Iterator[pd.DataFrame]:

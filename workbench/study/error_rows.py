@@ -3,16 +3,18 @@
 import json
 import tomllib
 from collections.abc import Iterator
-from math import inf
+from math import nan
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from workbench.errors import InputError
 from workbench.evidence.descriptors import variant_of
-from workbench.evidence.error_model import PEAK, RESIDUAL
+from workbench.evidence.error_model import reached
 from workbench.evidence.error_table import FINEST, TRUTH, ErrorTable
 from workbench.models.strain_rate import feels_rate
-from workbench.responses import Response, findings_of, outcome_of, survives
+from workbench.responses import Response, findings_of, outcome_of
 from workbench.scenarios import canonical
 from workbench.study.cells import cells_of
 from workbench.study.definition import Study
@@ -28,12 +30,11 @@ def error_rows(study: Study, table: ErrorTable, root: Path) -> Iterator[Row]:
     """A row for every case: inputs, features, the reference and how it ended, peaks of all models.
 
     And residual displacements of reference and anchor. All are in m; peaks infinite where the
-    structure collapses, None without an answer; that of the finest reference, too, only where it
+    structure collapses, NaN without an answer; that of the finest reference, too, only where it
     does not warn of itself. Where only some of the cases have steel that feels its strain rate
     those are left out. Raises `InputError` for a study without the anchor or the reference.
     """
     names = {label: _name_of(study, label) for label in study.models}
-    others = [label for label in names if label != study.reference]
     if names[study.reference] != table.reference or table.anchor not in names.values():
         needed = f"must be of the reference {table.reference} and ask {table.anchor}"
         raise InputError("study", study.name, needed)
@@ -43,18 +44,22 @@ def error_rows(study: Study, table: ErrorTable, root: Path) -> Iterator[Row]:
     version = {name: study.models[label].version for label, name in names.items()}
     static = [case for case in study.cases if not feels_rate(case.scenario)]
     for case in static or study.cases:
-        answers: dict[str, Response] = {}
-        for label in names:
+        reference, state = nan, NOT_RUN
+        residuals: dict[str, float] = {}
+        peaks: dict[str, float] = {}
+        for label, name in names.items():
             cell = cells.get((case.name, label))
             answer = None if cell is None else store.answer(cell.key, cell.ingredients)
+            doubts, peak, residuals[label] = set(), nan, nan
             if answer is not None:
-                answers[label] = answer[1]
-        reference = answers.get(study.reference)
-        peaks: dict[str, float | None] = {}
-        for label in others:  # of several solids the first that answers
-            if peaks.get(names[label]) is None:
-                judges = names[label] == FINEST
-                peaks[names[label]] = _peak(answers.get(label), judges=judges)
+                doubts = _against_itself(answer[1])
+                peak, residuals[label] = map(_rounded, reached(answer[1]))
+            if label == study.reference:
+                reference = nan if doubts else peak
+                if answer is not None:
+                    state = ", ".join((outcome_of(answer[1]).value, *sorted(doubts)))
+            elif pd.isna(peaks.get(name)):  # of several solids the first that answers
+                peaks[name] = nan if name == FINEST and doubts else peak
         yield {
             "case": case.name,
             **{key: _rounded(value) for key, value in inputs_of(case.scenario).items()},
@@ -62,12 +67,10 @@ def error_rows(study: Study, table: ErrorTable, root: Path) -> Iterator[Row]:
             "reference": table.reference,
             "reference_version": version[table.reference],
             "anchor_version": version[table.anchor],
-            "reference_state": _state(reference),
-            TRUTH: _peak(reference, judges=True),
-            **{
-                f"{name}_residual": _residual(answers.get(label))
-                for name, label in (("reference", study.reference), ("anchor", anchor))
-            },
+            "reference_state": state,
+            TRUTH: reference,
+            "reference_residual": residuals[study.reference],
+            "anchor_residual": residuals[anchor],
             **peaks,
         }
 
@@ -95,31 +98,9 @@ def _name_of(study: Study, label: str) -> str:
     return f"{model.name} {variant_of(model)}".rstrip()
 
 
-def _state(response: Response | None) -> str:
-    """How a reference ended, and the subjects of what it says against itself."""
-    if response is None:
-        return NOT_RUN
-    return ", ".join((outcome_of(response).value, *sorted(_against_itself(response))))
-
-
 def _against_itself(response: Response) -> set[str]:
     findings = findings_of(response)
     return {f.subject for f in findings if f.outside or f.refusal or f.subject in DOUBTFUL}
-
-
-def _peak(response: Response | None, *, judges: bool) -> float | None:
-    if response is None or (judges and _against_itself(response)):
-        return None
-    alive = survives(response)
-    if alive is None or (alive and PEAK not in response):
-        return None
-    return _rounded(float(response[PEAK])) if alive else inf
-
-
-def _residual(response: Response | None) -> float | None:
-    if response is None or not survives(response) or RESIDUAL not in response:
-        return None
-    return float(_rounded(float(response[RESIDUAL])))
 
 
 def _rounded(value: Any) -> Any:

@@ -7,6 +7,7 @@ gate or the first of the study.
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
+from math import inf
 
 import pandas as pd
 
@@ -14,6 +15,7 @@ from workbench.assessment import bias_and_scatter
 from workbench.assessment.budget import PEAK, REMAINS, RESIDUAL
 from workbench.responses import Outcome
 from workbench.study.definition import Study, holds_data
+from workbench.study.error_rows import DOUBTFUL
 from workbench.study.store import NOT_RUN
 from workbench.study.tables import Row, Tables, counts, numbers, texts
 from workbench.study.validation import MEASURED
@@ -75,6 +77,31 @@ def against_governing(tables: Tables) -> pd.DataFrame:
     return pairs.assign(telling=positive & remains).set_index(["case", "model", "quantity"])
 
 
+def errors_of(study: Study, tables: Tables) -> pd.DataFrame:
+    """Errors of the peak by case and label, of reduced models; NaN where nothing is judged.
+
+    Relative to the governing reference: infinite where one side alone collapses, zero where both
+    do. References judge nobody outside their domain, or where they warn of their own numbers.
+    """
+    governing, findings = governing_references(tables), tables["findings"]
+    doubtful = findings[findings["subject"].isin(DOUBTFUL)].set_index(["case", "label"]).index
+    doubted = governing.set_index("label", append=True).index.isin(doubtful)
+    governing = governing[(governing["inside"] == 1) & ~doubted]
+    pairs = against_governing(tables).reset_index()
+    pairs = pairs[(pairs["quantity"] == PEAK) & (pairs["against_value"] > 0.0)]
+    ratios = pairs.assign(ratio=pairs["value"] / pairs["against_value"])
+    outcomes = tables["cells"].pivot_table("outcome", "case", "label", aggfunc="first")
+    labels = [label for label in study.models if label in outcomes and label not in study.ranked]
+    ends, reference = outcomes.reindex(index=governing.index)[labels], governing["outcome"]
+    errors = ratios.pivot_table("ratio", "case", "model").reindex_like(ends) - 1.0
+    for label in labels:
+        collapsed, survived = ends[label] == Outcome.COLLAPSE, ends[label] == Outcome.OK
+        errors.loc[collapsed & (reference == Outcome.COLLAPSE), label] = 0.0
+        errors.loc[collapsed & (reference == Outcome.OK), label] = inf
+        errors.loc[survived & (reference == Outcome.COLLAPSE), label] = -inf
+    return errors.dropna(axis="columns", how="all")
+
+
 def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
     """A row for every group of cases and label, references first.
 
@@ -85,8 +112,12 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
     pairs = against_governing(tables)
     moving = [case.name for case in study.cases if case.scenario.STATIC is False]
     static = [case.name for case in study.cases if case.scenario.STATIC]
-    models = {label: study.models[label] for label in (*study.ranked, *study.models)}
-    models = {label: model for label, model in models.items() if _shown(study, label)}
+    shown = [  # models, and tests that are the reference
+        label
+        for label in dict.fromkeys((*study.ranked, *study.models))
+        if not holds_data(study.models[label])
+        or (study.models[label].name == MEASURED and label in study.ranked)
+    ]
     groups = dict(study.groups) or {ALL: tuple(moving or static)}
     for group, names in groups.items():
         cases = [name for name in names if name in moving]
@@ -97,17 +128,26 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
         named = (f"{label} ({n})" for label, n in governed.items())
         in_words = ", ".join(named if len(governed) > 1 else governed)
         of_group = cells[cells["case"].isin(cases)]
-        for label in models:
+        for label in shown:
             rows_by_case = of_group[of_group["label"] == label].set_index("case")
             if rows_by_case.empty:
                 continue
             held = best.loc[best.index.intersection(rows_by_case.index)]
+            ends, other = rows_by_case["outcome"], best["outcome"].reindex(rows_by_case.index)
+            counted = {name: int((ends == outcome).sum()) for name, outcome in _ENDS.items()}
+            itself = held[held["label"] == label]
             yield {
                 **{"group": group, "label": label, "quantity": quantity, "against": in_words},
-                **_ended(rows_by_case),
-                **_disagreements(rows_by_case["outcome"], best["outcome"]),
+                "asked": len(ends),
+                **counted,
+                "failed": len(ends) - sum(counted.values()),
+                "outside": (rows_by_case.loc[ends == Outcome.OK, "outside"] > 0).sum(),
+                "warned": (rows_by_case.loc[ends == Outcome.OK, "warned"] > 0).sum(),
+                "false_alarm": ((ends == Outcome.COLLAPSE) & (other == Outcome.OK)).sum(),
+                "false_safe": ((ends == Outcome.OK) & (other == Outcome.COLLAPSE)).sum(),
                 "synthetic": held["synthetic"].sum(),
-                **_as_reference(held[held["label"] == label]),
+                "reference": len(itself),
+                "known": itself["uncertainty"].max(skipna=False),
                 **_compared(pairs, label, rows_by_case.index, held, quantity),
             }
 
@@ -119,35 +159,15 @@ def _judging_quantity(study: Study, names: Sequence[str], pairs: pd.DataFrame) -
     return next((name for name in (*gated, *study.quantities) if name in compared), "")
 
 
-def _ended(cells: pd.DataFrame) -> Row:
-    """How many cells were asked, and how they ended."""
-    ends = {name: int((cells["outcome"] == outcome).sum()) for name, outcome in _ENDS.items()}
-    failed = len(cells) - sum(ends.values())
-    answered = cells[cells["outcome"] == Outcome.OK]
-    findings = {name: int((answered[name] > 0).sum()) for name in ("outside", "warned")}
-    return {"asked": len(cells), **ends, "failed": failed, **findings}
-
-
-def _disagreements(model: pd.Series, reference: pd.Series) -> Row:
-    """Cases in which one side alone collapses, from the outcomes of both by case."""
-    reference = reference.reindex(model.index)
-    alarm = (model == Outcome.COLLAPSE) & (reference == Outcome.OK)
-    safe = (model == Outcome.OK) & (reference == Outcome.COLLAPSE)
-    return {"false_alarm": alarm.sum(), "false_safe": safe.sum()}
-
-
-def _as_reference(held: pd.DataFrame) -> Row:
-    """Cases that the label governs, and its largest relative uncertainty if all are known."""
-    return {"reference": len(held), "known": held["uncertainty"].max(skipna=False)}
-
-
 def _compared(
     pairs: pd.DataFrame, label: str, cases: pd.Index, held: pd.DataFrame, quantity: str
 ) -> Row:
     """Bias of `quantity`, as a rule the peak, and of the residual displacement over a group."""
     row: dict[str, object] = {}
+    of_label = pairs.index.get_level_values("model") == label
     for name, judged in ((PEAK, quantity), (RESIDUAL, RESIDUAL)):
-        compared = telling(pairs, label, judged)
+        chosen = of_label & (pairs.index.get_level_values("quantity") == judged) & pairs["telling"]
+        compared = pairs[chosen].droplevel(["model", "quantity"])
         compared = compared[compared.index.isin(cases)]
         if len(compared):
             pooling = pooled(compared)
@@ -155,15 +175,6 @@ def _compared(
         if name == PEAK:
             row["against_outside"] = (held["inside"].reindex(compared.index) == 0).sum()
     return row
-
-
-def telling(pairs: pd.DataFrame, label: str, quantity: str) -> pd.DataFrame:
-    """Comparisons of a label and quantity by case, where their ratio says something."""
-    index = pairs.index
-    chosen = (index.get_level_values("model") == label) & pairs["telling"]
-    chosen &= index.get_level_values("quantity") == quantity
-    of_label: pd.DataFrame = pairs[chosen]
-    return of_label.droplevel(["model", "quantity"])
 
 
 def pooled(pairs: pd.DataFrame) -> dict[str, object]:
@@ -200,11 +211,8 @@ def pooled(pairs: pd.DataFrame) -> dict[str, object]:
 def bias_rows(study: Study, tables: Tables) -> Iterator[Row]:
     """Bias and scatter of every model against the reference over the cases, per quantity."""
     compared = tables["comparisons"]
-    of_reference = (compared["against"] == study.reference) & (
-        compared["metric"] == "relative_error"
-    )
-    positive = (compared["value"] > 0.0) & (compared["against_value"] > 0.0)
-    compared = compared[of_reference & positive]
+    chosen = (compared["against"] == study.reference) & (compared["metric"] == "relative_error")
+    compared = compared[chosen & (compared[["value", "against_value"]].min(axis=1) > 0.0)]
     for (model, quantity), pairs in compared.groupby(["model", "quantity"], sort=False):
         if len(pairs) >= _FEWEST_FOR_BIAS:
             row = {"model": model, "against": study.reference, "quantity": quantity}
@@ -239,9 +247,3 @@ def cost_rows(study: Study, tables: Tables) -> Iterator[Row]:
             if count := ratios[label].count():
                 row = {"label": label, "against": base, "count": count}
                 yield {**row, "ratio": ratios[label].median(), "seconds": seconds[label]}
-
-
-def _shown(study: Study, label: str) -> bool:
-    """Whether a label has a row: a model has, and tests that are the reference."""
-    model = study.models[label]
-    return not holds_data(model) or (model.name == MEASURED and label in study.ranked)
