@@ -12,20 +12,10 @@ import numpy as np
 from workbench.arrays import Array, Indices
 from workbench.compiled import njit
 from workbench.errors import CollapseError
-from workbench.fields import Choice, Number, checked
 from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN, Answers
 from workbench.models.domain import buckles
-from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
-from workbench.models.resistance import (
-    INTERACTIONS,
-    RATE_FACTOR,
-    SECTION,
-    SHAPES,
-    OnCurve,
-    Resistance,
-    column_curve,
-    columns,
-)
+from workbench.models.hit_mass import with_hit_mass
+from workbench.models.resistance import OnCurve, column_curve, columns
 from workbench.models.resistance.columns import rows_of, spread
 from workbench.models.resistance.kernels import displacement_at, residual, work_between
 from workbench.models.resistance.shapes import Rows, curve_of
@@ -36,18 +26,7 @@ from workbench.scenarios.varied import take
 
 @dataclass(frozen=True)
 class EnergyEstimate(OnCurve):
-    """Energy-equivalent displacements.
-
-    Options: `resistance`: analytic, cubic, linear, panel or NAME.csv, as in the single-DOF column;
-    `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6; None: as in
-    `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`; `rate_factor` as in `single-dof`.
-    """
-
-    resistance: str = checked(Resistance(SHAPES), "analytic")
-    rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
-    interaction: str = checked(Choice(INTERACTIONS), SECTION)
-    hit_mass: str = checked(HIT_MASS, THESIS)
-    rate_factor: float | None = checked(RATE_FACTOR, optional=True)
+    """Energy-equivalent displacements."""
 
     name: ClassVar[str] = "energy-estimate"
     version: ClassVar[int] = 5

@@ -18,26 +18,15 @@ import numpy as np
 
 from workbench.compiled import njit
 from workbench.errors import SolverError
-from workbench.fields import Choice, Number, checked
+from workbench.fields import Number, checked
 from workbench.impact.contact import uncounted
 from workbench.impact.crushing import UNLOADING, force_at
 from workbench.impact.integrator import DRIVE, Model, begin, march_of, no_flow
 from workbench.impact.pace import Pace
 from workbench.impact.records import follow, law_of
 from workbench.models.domain import shear_warnings
-from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
-from workbench.models.resistance import (
-    INTERACTIONS,
-    RATE_FACTOR,
-    SECTION,
-    SHAPES,
-    OnCurve,
-    Resistance,
-    ResistanceCurve,
-    column_curve,
-    columns,
-)
-from workbench.models.resistance.columns import PANEL
+from workbench.models.hit_mass import with_hit_mass
+from workbench.models.resistance import PANEL, OnCurve, ResistanceCurve, column_curve, columns
 from workbench.models.single_dof import march as one_mass
 from workbench.models.single_dof.spring import spring_moved
 from workbench.responses import Finding, Response, build_response, energy_error, finding
@@ -131,11 +120,6 @@ class SoftImpact(OnCurve):
     crush_force: float | None = checked(
         Number(1.0, 1e12, "N"), optional=True, help="at which it flows, likewise (None: elastic)"
     )
-    resistance: str = checked(Resistance(SHAPES), "analytic")
-    rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
-    interaction: str = checked(Choice(INTERACTIONS), SECTION)
-    hit_mass: str = checked(HIT_MASS, THESIS)
-    rate_factor: float | None = checked(RATE_FACTOR, optional=True)
 
     name: ClassVar[str] = "soft-impact"
     version: ClassVar[int] = 4

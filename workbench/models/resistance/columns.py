@@ -28,13 +28,10 @@ from workbench.models.resistance.curve import (
     mechanism_of,
     straight_pieces,
 )
-from workbench.models.resistance.given import GIVEN, NOTHING, given_curve, is_given
+from workbench.models.resistance.given import GIVEN, NOTHING, PANEL, given_curve, is_given
 from workbench.models.resistance.shapes import RESISTANCES, Rows, resistance_curve
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnPushover, ColumnScenario, MemberPulse
-
-PANEL = "panel"
-SHAPES = (*RESISTANCES, PANEL)
 
 
 def transition_length(surface: ShearSurface) -> float:

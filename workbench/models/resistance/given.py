@@ -14,10 +14,11 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.datafiles import open_input
 from workbench.errors import InputError
-from workbench.fields import Choice, Number
+from workbench.fields import Choice, Number, checked
 from workbench.models.base import Answering
-from workbench.models.hit_mass import THESIS
+from workbench.models.hit_mass import HIT_MASS, THESIS
 from workbench.models.resistance.curve import (
+    INTERACTIONS,
     SECTION,
     Mechanism,
     ResistanceCurve,
@@ -32,7 +33,8 @@ GIVEN = "given"  # shape of such a curve
 _COLUMNS = {"displacement_m": Number(0.0, 1e3, "m"), "force_N": Number(0.0, 1e12, "N")}
 _FIELD, _SUFFIX = "option.resistance", ".csv"
 _LARGEST = 1_000_000  # bytes
-RATE_FACTOR = Number(1.0, 10.0)
+PANEL = "panel"
+SHAPES = (*RESISTANCES, PANEL)
 NOTHING = "", 1.0  # digest of the points and rate factor of a curve that is derived
 _STRAIGHT = 1e-3  # share of the force by which the curve leaves its first slope: yielding
 
@@ -57,14 +59,34 @@ class Resistance(Choice):
         return super().check(path, value)
 
 
+@dataclass(frozen=True)
 class OnCurve(Answering):
-    """A model on a resistance curve, `resistance`, whose options are those of a mechanism."""
+    """A model on a resistance curve, whose options are those of a mechanism."""
 
-    resistance: str
-    rotational_stiffness: float | None
-    interaction: str
-    hit_mass: str
-    rate_factor: float | None
+    resistance: str = checked(
+        Resistance(SHAPES),
+        "analytic",
+        help="panel: webs yield in shear, the static curve of four-dof-shear; a file: columns "
+        "displacement_m and force_N of any other curve at the hit point",
+    )
+    rotational_stiffness: float | None = checked(
+        Number(0.1, 1e6),
+        optional=True,
+        help="c of the hinge stiffness c EI / l (the thesis: 6; None: as of four-dof)",
+    )
+    interaction: str = checked(
+        Choice(INTERACTIONS),
+        SECTION,
+        help="yield surface of N and M: straight lines with the area of the exact envelope, or "
+        "one line",
+    )
+    hit_mass: str = checked(HIT_MASS, THESIS, help="a third of the column, or as of four-dof")
+    rate_factor: float | None = checked(
+        Number(1.0, 10.0),
+        optional=True,
+        help="of strain rate on the strength of a curve that is given (None: that of the steel's "
+        "rate law in an impact)",
+    )
 
     @property
     def material(self) -> tuple[str, ...]:

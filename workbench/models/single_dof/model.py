@@ -21,19 +21,9 @@ from workbench.impact.pace import Pace
 from workbench.impact.records import Run, follow, followed
 from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN, Answers
 from workbench.models.domain import buckles, step_finding
-from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
-from workbench.models.resistance import (
-    INTERACTIONS,
-    RATE_FACTOR,
-    SECTION,
-    SHAPES,
-    OnCurve,
-    Resistance,
-    ResistanceCurve,
-    column_curve,
-    columns,
-)
-from workbench.models.resistance.columns import PANEL, rows_of, spread
+from workbench.models.hit_mass import with_hit_mass
+from workbench.models.resistance import PANEL, OnCurve, ResistanceCurve, column_curve, columns
+from workbench.models.resistance.columns import rows_of, spread
 from workbench.models.resistance.given import NOTHING
 from workbench.models.single_dof import march
 from workbench.models.single_dof.pulse import Pushed, moved_masses, pulse_response
@@ -56,28 +46,20 @@ _PUSH_STEPS = 1000
 
 @dataclass(frozen=True)
 class SingleDof(OnCurve):
-    """Single-degree-of-freedom column.
+    """Single-degree-of-freedom column."""
 
-    Options: `resistance`: envelope of the spring, analytic, cubic, linear (in the axial force),
-    panel (webs yield in shear: the static curve of `four-dof-shear`) or NAME.csv (points of any
-    other curve at the hit point, columns displacement_m and force_N);
-    `integrator`: midpoint (energy conserving) or moreau (explicit); `time_step` in s (None:
-    controlled by the error, the energy is kept whatever the step; moreau: a 1000th of the shortest
-    period);
-    `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6; None: as in
-    `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`; `rate_factor`: of strain rate on the
-    strength of a curve that is given (None: that of the steel's rate law in an impact);
-    `radiation_damping`, c in N s/m of a dashpot at the mass, of waves that leave (pulses alone).
-    """
-
-    resistance: str = checked(Resistance(SHAPES), "analytic")
-    integrator: str = checked(Choice(tuple(_ENTRIES)), "midpoint")
-    time_step: float | None = checked(Number(1e-8, 1.0, "s"), optional=True)
-    rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
-    interaction: str = checked(Choice(INTERACTIONS), SECTION)
-    hit_mass: str = checked(HIT_MASS, THESIS)
-    rate_factor: float | None = checked(RATE_FACTOR, optional=True)
-    radiation_damping: float = checked(Number(0.0, 1e12, "N s/m"), 0.0)
+    integrator: str = checked(Choice(tuple(_ENTRIES)), "midpoint", help="moreau: explicit")
+    time_step: float | None = checked(
+        Number(1e-8, 1.0, "s"),
+        optional=True,
+        help="None: by the error, the energy is kept whatever the step; of moreau a 1000th of the "
+        "shortest period",
+    )
+    radiation_damping: float = checked(
+        Number(0.0, 1e12, "N s/m"),
+        0.0,
+        help="of a dashpot at the mass, of waves that leave (pulses alone)",
+    )
 
     name: ClassVar[str] = "single-dof"
     version: ClassVar[int] = 10
