@@ -183,6 +183,6 @@ def _draw(target: Path | None, lines: Mapping[str, Line], x: str, y: str) -> Non
     if target is None:
         return
     from workbench.report.drawing.charts import chart
-    from workbench.study.store import write_atomically
+    from workbench.report.gallery import save
 
-    write_atomically(target, chart(lines, x, y).encode())
+    save(chart(lines, x, y), target)

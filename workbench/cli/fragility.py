@@ -106,9 +106,10 @@ def fragility(
     if target is not None:
         write_atomically(target, json.dumps(content, indent=1, allow_nan=False).encode())
     if picture is not None:
-        from workbench.report.drawing.charts import draw_fragility
+        from workbench.report.drawing.charts import fragility_chart
+        from workbench.report.gallery import save
 
-        draw_fragility(result, picture)
+        save(fragility_chart(result), picture)
     files = {"certificate": target, "picture": picture}
     return Answer(content, _blocks(result), int(not result.reaches_target), files)
 

@@ -82,9 +82,10 @@ def sweep(
     if target is not None:
         write_answers(target, table, answers)
     if picture is not None:
-        from workbench.report.drawing.charts import draw_sweep
+        from workbench.report.drawing.charts import sweep_chart
+        from workbench.report.gallery import save
 
-        draw_sweep(answers, picture)
+        save(sweep_chart(answers, picture.name), picture)
     rows = table.astype(object).where(table.notna(), None).to_dict("records")
     outcomes = table["outcome"].value_counts()
     keys = [str(key) for key in (values if rows_of_cases is None else rows_of_cases)]

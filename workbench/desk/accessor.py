@@ -17,6 +17,7 @@ from typing import Any
 
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure as Canvas
 
 from workbench.content.formatting import in_unit
 from workbench.desk.summary import error_of, headline, html_of
@@ -27,6 +28,7 @@ from workbench.registry import make_model, model_names
 from workbench.report.drawing.sheet import Drawing, Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
+from workbench.report.gallery import save
 from workbench.report.stored import Stored
 from workbench.responses import (
     SCALARS,
@@ -101,9 +103,7 @@ class Plots:
 
     def axes(self, kind: str, **options: Any) -> list[Axes]:
         """All panels of a figure of a report, see `workbench.report.figures.KINDS`."""
-        canvas = self.drawing(kind, **options).canvas
-        assert canvas is not None
-        return list(canvas.axes)
+        return list(self._canvas(kind, **options).axes)
 
     def save(self, path: Path | str, kind: str = "", **options: Any) -> None:
         """Write a figure as PNG, SVG or PDF, by the ending; by default history or structure.
@@ -116,9 +116,12 @@ class Plots:
         followed = any({"time", "step"} & set(each.dims) for each in self.responses.values())
         usual = "force-displacement" if self.scenario.STATIC else "history"
         chosen = kind or (usual if followed else "structure")
-        canvas = self.drawing(chosen, **options).canvas
+        save(self._canvas(chosen, **options), target)
+
+    def _canvas(self, kind: str, **options: Any) -> Canvas:
+        canvas = self.drawing(kind, **options).canvas
         assert canvas is not None
-        canvas.savefig(target, dpi=160)
+        return canvas
 
     def drawing(self, kind: str, **options: Any) -> Drawing:
         """The drawing with its numbers and statements. Raises `InputError` if it is empty."""

@@ -91,6 +91,17 @@ def save_png(canvas: Canvas, path: Path, resolution: int = 160) -> None:
     write_atomically(path, buffer.getvalue())
 
 
+def save(canvas: Canvas, path: Path) -> None:
+    """Write a picture as PNG, SVG or PDF, by the ending."""
+    if path.suffix.lower() == ".svg":
+        write_atomically(path, to_svg(canvas, path.stem).encode())
+    elif path.suffix.lower() == ".png":
+        save_png(canvas, path)
+    else:
+        with house_style():
+            canvas.savefig(path)
+
+
 def to_csv(data: pd.DataFrame) -> str:
     """The numbers of a figure as CSV text with 9 significant digits."""
     return data.to_csv(index=False, float_format="%.9g", lineterminator="\n")

@@ -1,35 +1,25 @@
-"""Charts that verbs draw: those of pulses on logarithmic axes, and a fragility curve."""
+"""Charts that verbs draw: pulses on logarithmic axes, a sweep, a fragility curve."""
 
 from collections.abc import Mapping, Sequence
 from math import isinf
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure as Canvas
 
 from workbench.assessment.budget import PEAK
 from workbench.content.formatting import axis_label, unit_of
 from workbench.errors import InputError
-from workbench.report.drawing.style import (
-    INTERVAL,
-    MUTED,
-    Style,
-    entry,
-    house_style,
-    legend_below,
-    logarithmic,
-    new_figure,
-    numbered,
-    settle,
-)
-from workbench.report.gallery import to_svg
+from workbench.report.drawing.sheet import Drawing, Sheet, canvas_of
+from workbench.report.drawing.style import INTERVAL, MUTED, Style, entry, logarithmic, numbered
 
 if TYPE_CHECKING:
     from workbench.uncertainty.fragility import Fragility
 
-
 _MOST_LINES = 10  # told apart by their colours and dashes
+_HIGH, _WIDE = 3.6, 4.6  # inches
+_ASYMPTOTE: Style = {"color": MUTED, "linewidth": 0.6, "linestyle": ":"}
 
 
 class Line(NamedTuple):
@@ -41,87 +31,81 @@ class Line(NamedTuple):
     floor: float | None = None
 
 
-def chart(lines: Mapping[str, Line], x: str, y: str) -> str:
-    """SVG text of a chart: labelled lines over the quantities `x` and `y`."""
-    with house_style():
-        figure = new_figure(3.6, 4.6)
-        panel = figure.add_subplot()
-        for i, line in enumerate(lines.values()):
-            panel.plot(line.x, line.y, **numbered(i).curve())
-        panel.set_xscale("log")
-        panel.set_yscale("log")
-        for line in lines.values():
-            if line.left is not None:
-                panel.axvline(line.left, color=MUTED, linewidth=0.6, linestyle=":")
-            if line.floor is not None:
-                panel.axhline(line.floor, color=MUTED, linewidth=0.6, linestyle=":")
-        for axis, words in ((panel.xaxis, x), (panel.yaxis, y)):
-            logarithmic(axis, lambda value: f"{value:g}")
-            axis.set_label_text(words)
-        panel.grid(True, linewidth=0.4)
-        handles = [entry(label, **numbered(i).curve()) for i, label in enumerate(lines)]
+def chart(lines: Mapping[str, Line], x: str, y: str) -> Canvas:
+    """A chart of labelled lines over the quantities `x` and `y`, on logarithmic axes."""
+    return canvas_of(_chart, lines, x, y)
+
+
+def _chart(lines: Mapping[str, Line], x: str, y: str) -> Drawing:
+    sheet = Sheet.table(1, 1, _HIGH, width=_WIDE)
+    for i, (label, line) in enumerate(lines.items()):
+        sheet.panel.plot(line.x, line.y, **numbered(i).curve())
+        sheet.record(label=label, x=line.x, y=line.y)
         if len(lines) > 1:
-            legend_below(figure, handles)
-        settle(figure)
-    return to_svg(figure, "chart")
+            sheet.legend(entry(label, **numbered(i).curve()))
+    sheet.panel.set(xscale="log", yscale="log", xlabel=x, ylabel=y)
+    for line in lines.values():
+        if line.left is not None:
+            sheet.panel.axvline(line.left, **_ASYMPTOTE)
+        if line.floor is not None:
+            sheet.panel.axhline(line.floor, **_ASYMPTOTE)
+    for axis in (sheet.panel.xaxis, sheet.panel.yaxis):
+        logarithmic(axis, lambda value: f"{value:g}")
+    return sheet.finish(f"{y} over {x}")
 
 
-def draw_sweep(answers: xr.Dataset, path: Path) -> None:
-    """Write the peak over the first key of a sweep, a line for each model and other value.
+def sweep_chart(answers: xr.Dataset, name: str) -> Canvas:
+    """The peak over the first key of a sweep, a line for each model and other value.
 
-    Raises `InputError` where no peak is known, or lines cannot be told apart.
+    Raises `InputError` where no peak is known, or lines cannot be told apart; `name`, the picture.
     """
     peaks = answers.get(PEAK)
     if peaks is None:
-        raise InputError("--plot", path.name, "there is no peak to draw", "see the outcomes")
+        raise InputError("--plot", name, "there is no peak to draw", "see the outcomes")
     _, key, *others = peaks.dims
     lines = peaks.stack(line=("model", *others)).transpose("line", key)
-    x, unit = lines[key].to_numpy(), unit_of(PEAK)
-    if len(lines) > _MOST_LINES or x.dtype.kind not in "if":
+    if len(lines) > _MOST_LINES or lines[key].dtype.kind not in "if":
         text = f"needs numbers first, and at most {_MOST_LINES} lines"
-        raise InputError("--plot", path.name, text, "vary less, or write the table alone")
-    with house_style():
-        figure = new_figure(3.6, 4.6)
-        panel, handles = figure.add_subplot(), []
-        for i, (names, line) in enumerate(zip(lines["line"].to_numpy(), lines, strict=True)):
-            panel.plot(x, unit.factor * line.to_numpy(), **numbered(i).curve(marker="o"))
-            model, *values = names
-            texts = (f"{other} = {value}" for other, value in zip(others, values, strict=True))
-            handles.append(entry(", ".join([str(model), *texts]), **numbered(i).curve()))
-        of = lines[key].attrs.get("units", "")
-        panel.set_xlabel(f"{key} ({of})" if of else str(key))
-        panel.set_ylabel(axis_label(PEAK))
-        panel.grid(True, linewidth=0.4)
-        legend_below(figure, handles)
-        settle(figure)
-        figure.savefig(path, dpi=160)
+        raise InputError("--plot", name, text, "vary less, or write the table alone")
+    return canvas_of(_sweep, lines, str(key), others)
 
 
-def draw_fragility(result: "Fragility", path: Path) -> None:
-    """Write a fragility curve with its band, and the reduced model alone, as PNG, SVG or PDF."""
+def _sweep(lines: xr.DataArray, key: str, others: Sequence[str]) -> Drawing:
+    sheet, x = Sheet.table(1, 1, _HIGH, width=_WIDE), lines[key].to_numpy()
+    for i, (names, line) in enumerate(zip(lines["line"].to_numpy(), lines, strict=True)):
+        model, *values = names
+        texts = (f"{other} = {value}" for other, value in zip(others, values, strict=True))
+        label = ", ".join([str(model), *texts])
+        sheet.panel.plot(x, unit_of(PEAK).factor * line.to_numpy(), **numbered(i).curve(marker="o"))
+        sheet.record(label=label, x=x, y=line.to_numpy())
+        sheet.legend(entry(label, **numbered(i).curve()))
+    of = lines[key].attrs.get("units", "")
+    sheet.panel.set(xlabel=f"{key} ({of})" if of else key, ylabel=axis_label(PEAK))
+    return sheet.finish(f"peaks over {key}")
+
+
+def fragility_chart(result: "Fragility") -> Canvas:
+    """A fragility curve with its band, and the reduced model alone."""
+    return canvas_of(_fragility, result)
+
+
+def _fragility(result: "Fragility") -> Drawing:
     curve, setup = result.curve, result.setup
     velocity = np.exp(curve.log_velocity)
-    with house_style():
-        figure = new_figure(3.6, 5.2)
-        panel = figure.add_subplot()
-        panel.fill_between(velocity, curve.low, curve.high, **INTERVAL)
-        corrected = numbered(0).curve()
-        panel.plot(velocity, curve.median, **corrected)
-        alone: Style = {"color": MUTED, "linestyle": "--", "linewidth": 1.0}
-        panel.plot(velocity, result.reduced_curve, **alone)
-        panel.set_ylim(0.0, 1.0)
-        panel.set_xlim(max(velocity[0], setup.ends[0]), min(velocity[-1], setup.ends[1]))
-        panel.set_xlabel("impact velocity (m/s)")
-        falls = isinf(setup.limit.displacement)
-        of = "collapse" if falls else f"exceeding {setup.limit}"
-        panel.set_ylabel(f"probability of {of}")
-        panel.grid(True, linewidth=0.4)
-        band = {**INTERVAL, "linewidth": 6.0}
-        handles = [
-            entry(f"{setup.reduced.name}, corrected by {setup.reference.name}", **corrected),
-            entry("90 %: samples, model, reference", **band),
-            entry(f"{setup.reduced.name} alone", **alone),
-        ]
-        legend_below(figure, handles)
-        settle(figure)
-        figure.savefig(path, dpi=160)
+    sheet = Sheet.table(1, 1, _HIGH, width=5.2)
+    panel, corrected = sheet.panel, numbered(0).curve()
+    alone: Style = {"color": MUTED, "linestyle": "--", "linewidth": 1.0}
+    panel.fill_between(velocity, curve.low, curve.high, **INTERVAL)
+    panel.plot(velocity, curve.median, **corrected)
+    panel.plot(velocity, result.reduced_curve, **alone)
+    of = "collapse" if isinf(setup.limit.displacement) else f"exceeding {setup.limit}"
+    ends = max(velocity[0], setup.ends[0]), min(velocity[-1], setup.ends[1])
+    panel.set(xlim=ends, ylim=(0.0, 1.0))
+    panel.set(xlabel="impact velocity (m/s)", ylabel=f"probability of {of}")
+    sheet.legend(
+        entry(f"{setup.reduced.name}, corrected by {setup.reference.name}", **corrected),
+        entry("90 %: samples, model, reference", **{**INTERVAL, "linewidth": 6.0}),
+        entry(f"{setup.reduced.name} alone", **alone),
+    )
+    sheet.record(velocity=velocity, low=curve.low, median=curve.median, high=curve.high)
+    return sheet.finish(f"probability of {of} over the impact velocity")

@@ -292,6 +292,13 @@ def drawn(draw: Callable[..., Drawing], *arguments: Any) -> Drawing:
     return drawing
 
 
+def canvas_of(draw: Callable[..., Drawing], *arguments: Any) -> Canvas:
+    """Return the canvas of a function that always has something to draw."""
+    canvas = drawn(draw, *arguments).canvas
+    assert canvas is not None
+    return canvas
+
+
 def nothing(*notes: str) -> Drawing:
     """A drawing that only says why nothing could be drawn."""
     return Drawing(None, pd.DataFrame(), notes or ("There is nothing to draw.",))
