@@ -10,6 +10,7 @@ from workbench.errors import InputError
 from workbench.hinges.rate import hinge_overstress, overstress_shape
 from workbench.materials import GRADES, MILD_STEEL, CowperSymonds, Steel
 from workbench.models.batch import simulate_many
+from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.single_dof import SingleDof
 from workbench.models.strain_rate import rate_factor, stronger, with_rate
 from workbench.registry import make_model
@@ -119,6 +120,17 @@ def test_a_model_runs_with_the_factor(rated: ColumnImpact, name: str) -> None:
     assert "rate_factor" not in same.attrs
     assert answer.attrs["scenario_hash"] != same.attrs["scenario_hash"]
     assert "strain-rate" not in [each.subject for each in findings_of(answer)]
+
+
+@pytest.mark.parametrize("kind", [SingleDof, EnergyEstimate])
+def test_a_curve_of_sliding_webs_has_their_factor(rated: ColumnImpact, kind: type[Any]) -> None:
+    """One mass on the resistance of panels grows as the panels do."""
+    answer = kind(resistance="panel", hit_mass="waves").simulate(rated)
+    expected = make_model("four-dof-shear").simulate(rated)
+    assert answer.attrs["rate_factor"] == expected.attrs["rate_factor"] == rate_factor(rated, True)
+    assert float(answer.peak_displacement) == pytest.approx(
+        float(expected.peak_displacement), rel=0.01
+    )
 
 
 def test_many_columns_have_their_factors_too(rated: ColumnImpact) -> None:

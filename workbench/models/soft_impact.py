@@ -122,7 +122,7 @@ class SoftImpact(OnCurve):
     )
 
     name: ClassVar[str] = "soft-impact"
-    version: ClassVar[int] = 4
+    version: ClassVar[int] = 5
     judged: ClassVar[bool] = False
     crushing: ClassVar[bool] = True
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)

@@ -93,6 +93,11 @@ class OnCurve(Answering):
         """What of the steel a curve that is given stands for: no yield stress can be raised."""
         return ("rate", "hardening") if is_given(self.resistance) else ()
 
+    @property
+    def shear_yields(self) -> bool:
+        """Whether webs slide where they carry less than their mechanism needs."""
+        return self.resistance == PANEL
+
     def curve_stacks(self, scenario: ColumnScenario) -> bool:
         """Whether curves of a stack of such impacts are made in compiled code."""
         if not isinstance(scenario, ColumnImpact) or self.resistance not in RESISTANCES:
