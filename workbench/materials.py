@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import sqrt
@@ -53,6 +54,16 @@ GRADES: Mapping[str, tuple[float, CowperSymonds]] = {
 }
 
 
+# Lower yield stress (Pa) up to these thicknesses (m): EN 10025-2:2019 table 6; EN 10210-1 the same
+# for S235 and S355.
+THICKNESSES = (0.016, 0.040, 0.063, 0.080, 0.100)
+_YIELD: Mapping[str, tuple[float, ...]] = {
+    "S235": (235e6, 225e6, 215e6, 215e6, 215e6),
+    "S355": (355e6, 345e6, 335e6, 325e6, 315e6),
+    "S460": (460e6, 440e6, 420e6, 400e6, 390e6),
+}
+
+
 def _read_rate(value: Any, path: str) -> Any:
     """Return the rate law of a file's value: a table, the name of a grade, or none."""
     if isinstance(value, str):
@@ -93,10 +104,10 @@ class Steel(Declared, table="steel"):
 
     Arguments: `elastic_modulus` in Pa, `yield_stress` in Pa, `density` in kg/m3;
     `hardening_modulus` in Pa, the slope of stress over plastic strain; `rate`, the law of strain
-    rate, the name of a grade whose law it takes, or "none"; `grade`: a shorthand, kept as the
-    values that it stands for: yield stress (thickness up to 16 mm, EN 10025-2) and rate law, where
-    they are not given. Raises `InputError` for values that no structural steel has (wrong units
-    are the usual cause).
+    rate, the name of a grade whose law it takes, or "none"; `grade`, with the `thickness` in m of
+    the thickest plate (up to 16 mm where it is not given): a shorthand, kept as the values that it
+    stands for: yield stress (EN 10025-2) and rate law, where they are not given. Raises
+    `InputError` for values that no structural steel has (wrong units are the usual cause).
     """
 
     elastic_modulus: float = checked(
@@ -119,16 +130,27 @@ class Steel(Declared, table="steel"):
     grade: str | None = checked(
         Choice(tuple(GRADES)), optional=True, help="gives yield stress and rate law"
     )
+    thickness: float | None = checked(
+        Number(1e-4, THICKNESSES[-1], "m", advice="the thickest plate in m: 20 mm is 0.02"),
+        optional=True,
+        help="lowers the yield stress of the grade above 16 mm",
+    )
 
     def check(self) -> None:
         """Put in what grade and named laws stand for."""
         stress, rate = 355e6, None
         if self.grade is not None:
             stress, rate = GRADES[self.grade]
+            stress = _YIELD[self.grade][bisect_left(THICKNESSES, self.thickness or 0.0)]
+        elif self.thickness is not None:
+            advice = 'give steel.grade = "S355"' if self.yield_stress is None else "leave it out"
+            allowed = "lowers the yield stress of a grade: no grade is given"
+            raise InputError("steel.thickness", self.thickness, allowed, advice)
         law: Any = rate if self.rate is None else self.rate
         if isinstance(law, str):
             law = None if law == NO_RATE else GRADES[law][1]
-        resolved = {"yield_stress": self.yield_stress or stress, "rate": law, "grade": None}
+        resolved = {"yield_stress": self.yield_stress or stress, "rate": law}
+        resolved |= {"grade": None, "thickness": None}
         if self.hardening_modulus == 0.0:
             resolved["hardening_modulus"] = None
         for name, value in resolved.items():

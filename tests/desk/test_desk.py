@@ -7,6 +7,7 @@ import importlib
 import re
 import subprocess
 import sys
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -156,4 +157,9 @@ def test_studs_are_fitted_from_a_file(tmp_path: Path) -> None:
 
     file = tmp_path / "tests.csv"
     file.write_text(template("residual") + "\n".join(TEMPLATES["residual"].rows) + "\n")
-    assert wb.fit_residual(str(file), "strength").quantity == "strength"
+    fit = wb.fit_residual(str(file), "strength")
+    assert fit.quantity == "strength"
+    shown = fit._repr_html_()
+    assert fit.relation.formula in shown
+    assert shown.count("<table") == 3  # answer, parameters, values for design
+    assert all(escape(str(finding)) in shown for finding in fit.findings)

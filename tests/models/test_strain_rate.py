@@ -71,6 +71,8 @@ def test_a_steel_in_a_file(thesis_impact: ColumnImpact) -> None:
         ("rate = { D = 40.4, q = 5.0, D_range = [50.0, 90.0] }", "D = 40.4 1/s between them"),
         ("rate = { D = 40.4, q = 5.0, D_range = 3.0 }", "steel.rate.D_range = 3.0: must be two"),
         ('grade = "S356"', "steel.grade = 'S356': must be one of S235"),
+        ("thickness = 0.02", "steel.thickness = 0.02: lowers the yield stress of a grade"),
+        ('grade = "S355"\nthickness = 20.0', "steel.thickness = 20.0: must be a number from"),
         ("hardening_modulus = -1.0", "steel.hardening_modulus = -1.0: must be a number from 0"),
     ],
 )
@@ -80,6 +82,16 @@ def test_wrong_values_of_a_steel(thesis_impact: ColumnImpact, line: str, words: 
         read(text)
     assert words in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_thick_plates_of_a_grade_yield_earlier() -> None:
+    """EN 10025-2, table 6: the bounds belong to the thinner class."""
+    stress = {t: Steel(grade="S355", thickness=t).yield_stress for t in (0.016, 0.0161, 0.04, 0.1)}
+    assert list(stress.values()) == [355e6, 345e6, 345e6, 315e6]
+    assert Steel(grade="S460", thickness=0.07).yield_stress == 400e6
+    assert Steel(grade="S235", thickness=0.05).yield_stress == 215e6
+    assert Steel(grade="S235", thickness=0.01) == Steel(grade="S235")
+    assert Steel(grade="S355", thickness=0.05, yield_stress=390e6).yield_stress == 390e6
 
 
 def test_the_factor_of_the_thesis_column(thesis_impact: ColumnImpact) -> None:

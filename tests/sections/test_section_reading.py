@@ -30,6 +30,24 @@ def test_names_are_read_tolerantly(name: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("known", "written"),
+    [
+        (
+            "UB 203x133x25",
+            ("ub203X133×25", "UB 203 x 133 x 25", "203x133x25 UB", "UB-203x133x25.0"),
+        ),
+        ("UC 254x254x89", ("UC254x254x89", "uc 254X254X89", " 254 x 254 x 89 UC ")),
+        ("HD 400x421", ("hd400x421", "HD 400 × 421")),
+        ("HD 260x93", ("HD 260x93.0", "HD 260 x 93,0")),
+        ("IPN 200", ("ipn200", "IPN_200")),
+    ],
+)
+def test_names_of_several_sizes_are_read_tolerantly(known: str, written: tuple[str, ...]) -> None:
+    assert known in names()
+    assert [find(name).name for name in written] == [known] * len(written)
+
+
+@pytest.mark.parametrize(
     ("table", "section"),
     [
         (
@@ -86,7 +104,13 @@ METRES = "lengths are in metres, not millimetres"
         ("HEB 230", "column.section", "did you mean HEB 220 or HEB 240?"),
         ("heb230", "column.section", "did you mean HEB 220 or HEB 240?"),
         ("HEX 220", "column.section", "HEB 220"),
-        ("IPN 200", "column.section", "did you mean IPE 200"),
+        ("IPX 200", "column.section", "IPE 200"),
+        ("W 200x200", "column.section", "IPN 80 to 550"),
+        ("UB 203x133x26", "column.section", "did you mean UB 203x133x25 or UB 203x133x30?"),
+        ("uc 254", "column.section", "did you mean UC 254x254x73 or UC 254x254x89?"),
+        ("914x305x239 UB", "column.section", "did you mean UB 914x305x238 or UB 914x305x253?"),
+        ("203x133x25", "column.section", "did you mean UB 203x133x25"),
+        ("UB 203x133x2.5.1", "column.section", "UB 203x133x25"),
         ("IPE 220 A", "column.section", "did you mean IPE 220"),
         ("HEB 22.0", "column.section", "must be a profile of the catalogue"),
         ("gibberish", "column.section", "IPE 80 to 600"),

@@ -22,6 +22,18 @@ def test_the_estimate_weighs_labels_by_their_own_cost() -> None:
     assert progress.failed == 1
 
 
+def test_stored_cells_tell_what_their_labels_cost() -> None:
+    dear, cheap = SimpleNamespace(label="dear"), SimpleNamespace(label="cheap")
+    stream = io.StringIO()
+    progress = Progress(stream)
+    progress.begin("toy", [dear] * 3 + [cheap] * 5, 3, 2, {"dear": [9.0, 11.0], "cheap": [1.0]})
+    assert progress.seconds_left() == pytest.approx((3 * 10.0 + 5 * 1.0) / 2)
+    progress.advance(dear, Outcome.OK, 13.0)
+    assert progress.seconds_left() == pytest.approx((2 * 11.0 + 5 * 1.0) / 2)
+    first = stream.getvalue().splitlines()[0]
+    assert first == "toy: 8 cells to answer, 3 already stored, about 0:00:18 left"
+
+
 def test_lines_are_few_and_say_what_is_left(toy_study: Study) -> None:
     stream = io.StringIO()
     cells = cells_of(toy_study) * 10

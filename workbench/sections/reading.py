@@ -25,41 +25,61 @@ from workbench.sections.shapes import (
 
 _LONGEST = 40  # characters of a name
 _HOLLOW = re.compile(r"(RHS|SHS|CHS)[\s_-]*((?:[\d.]{1,8}\s*[x×*]\s*){1,2}[\d.]{1,8})", re.I)
+# Words and sizes in either order: HE 220 B, UB 203x133x25, 203x133x25 UB.
+_NAME = re.compile(r"([A-Za-z]*)[\s_-]*(\d[\d.,]*(?:\s*[xX×]\s*\d[\d.,]*)*)[\s_-]*([A-Za-z]*)")
+_TABLES = ("european_profiles.csv", "rolled_profiles.csv")
 _DIMENSIONS = ("height", "width", "web", "flange", "fillet")
 
 
 @cache
 def profiles() -> MappingProxyType[str, ISection]:
-    """Read all profiles of the catalogue, in the order of the file, by name."""
-    path = data_directory() / "profiles" / "european_profiles.csv"
-    with path.open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
+    """Read all profiles of the catalogue, in the order of the files, by name."""
     shapes = {}
-    for row in rows:
-        # Moving the decimal point in the text keeps the nearest number: 3.8 mm is 0.0038 m.
-        metres = (float(f"{row[f'{dimension}_mm']}e-3") for dimension in _DIMENSIONS)
-        shapes[row["name"]] = ISection(*metres)
+    for table in _TABLES:
+        with (data_directory() / "profiles" / table).open(encoding="utf-8", newline="") as file:
+            for row in csv.DictReader(file):
+                # Moving the decimal point in the text keeps the nearest number: 3.8 mm is 0.0038 m.
+                metres = (float(f"{row[f'{dimension}_mm']}e-3") for dimension in _DIMENSIONS)
+                shapes[row["name"]] = ISection(*metres)
     return MappingProxyType(shapes)
 
 
 def _spelled(name: str) -> str:
-    """Spell a profile name as the catalogue does: ``heb220`` and ``HE 220 B`` are HEB 220."""
-    spelled = name.strip() if len(name) <= _LONGEST else ""
-    parts = re.fullmatch(r"([A-Za-z]+)[\s_-]*([0-9]+)[\s_-]*([ABMabm]?)", spelled)
+    """Spell a profile name as the catalogue does.
+
+    ``heb220`` and ``HE 220 B`` are HEB 220, ``ub203X133×25`` and ``203 x 133 x 25 UB`` are
+    UB 203x133x25, ``HD 260 x 93,0`` is HD 260x93.
+    """
+    parts = _NAME.fullmatch(name.strip()) if len(name) <= _LONGEST else None
     if parts is None:
-        return name
-    return f"{parts[1]}{parts[3]} {parts[2]}".upper()
+        return name.upper()
+    sizes = re.split(r"\s*[xX×]\s*", parts[2].replace(",", "."))
+    return (
+        f"{parts[1]}{parts[3]}".upper()
+        + " "
+        + "x".join(re.sub(r"\.0+$", "", size) for size in sizes)
+    )
 
 
 def _nearest(name: str) -> list[str]:
-    """Find up to two names of the catalogue that may have been meant."""
-    known = list(profiles())
-    family, _, size = _spelled(name).partition(" ")
-    same = [candidate for candidate in known if candidate.split()[0] == family]
-    if same and size.isdecimal() and len(size) < 9:
-        same.sort(key=lambda candidate: abs(int(candidate.split()[1]) - int(size)))
-        return same[:2]
-    return difflib.get_close_matches(_spelled(name).upper(), known, 2, cutoff=0.7)
+    """Find up to two names of the catalogue that may have been meant, the nearest sizes first."""
+
+    def sizes(spelled: str) -> list[float]:
+        return [float(size) for size in spelled.split(" ")[1].split("x")]
+
+    known, spelled = list(profiles()), _spelled(name)
+    same = [candidate for candidate in known if candidate.split()[0] == spelled.split(" ")[0]]
+    try:
+        wanted = sizes(spelled) if same else []
+    except ValueError:  # not numbers
+        same = []
+    if not same:
+        return difflib.get_close_matches(spelled, known, 2, cutoff=0.7)
+
+    def distances(candidate: str) -> list[float]:
+        return [abs(a - b) for a, b in zip(sizes(candidate), wanted, strict=False)]
+
+    return sorted(same, key=distances)[:2]
 
 
 def _families() -> str:
@@ -77,7 +97,7 @@ def names() -> tuple[str, ...]:
 
 
 def find(name: str, path: str = "section") -> Section:
-    """Look up a profile of the catalogue; spaces and case do not matter.
+    """Look up a profile of the catalogue; spaces, case and the sign between sizes do not matter.
 
     ``RHS 200x100x8``, ``SHS 100x5`` and ``CHS 219.1x10`` are tubes of these sizes in mm, those of
     four sides with sharp corners, and are called as other sections from dimensions are.

@@ -9,6 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from html import escape
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -211,6 +212,23 @@ class Fit(ABC):
     @abstractmethod
     def influence(self) -> pd.DataFrame:
         """How every test moves the answer (`influence_of`)."""
+
+    def _repr_html_(self) -> str:
+        """Answer, parameters and design values as tables of a notebook, and the findings."""
+
+        def shown(table: pd.DataFrame, header: bool = True) -> str:
+            digits = "{:.4g}".format
+            return table.to_html(
+                header=header, index=False, na_rep="", float_format=digits, border=0
+            )
+
+        tables = self.tables()
+        parts = [shown(pd.DataFrame(self.summary().items()), header=False)]
+        for name in ("parameters", "design"):
+            if not tables.get(name, pd.DataFrame()).empty:
+                parts.append(f"<p>{name}</p>{shown(tables[name])}")
+        parts += [f"<p>{escape(str(each))}</p>" for each in ranked(self.findings)]
+        return f"<div><b>{type(self).__name__}</b>{''.join(parts)}</div>"
 
 
 def answer_tables(

@@ -15,6 +15,7 @@ from itertools import chain
 from math import inf
 from pathlib import Path
 from statistics import fmean
+from types import MappingProxyType
 from typing import Any, TextIO
 
 from workbench.errors import InputError
@@ -38,13 +39,24 @@ class Progress:
     def __init__(self, stream: TextIO | None = None) -> None:
         self.stream = stream
 
-    def begin(self, study: str, waiting: Sequence[Cell], stored: int, jobs: int) -> None:
-        """A run of `jobs` begins with `waiting` cells to answer and `stored` ones there."""
+    def begin(
+        self,
+        study: str,
+        waiting: Sequence[Cell],
+        stored: int,
+        jobs: int,
+        costs: Mapping[str, Sequence[float]] = MappingProxyType({}),
+    ) -> None:
+        """A run of `jobs` begins with `waiting` cells to answer and `stored` ones there.
+
+        `costs`, the seconds that stored cells have taken, by label.
+        """
         self.total, self.done, self.failed = len(waiting), 0, 0
         self.began, self._jobs = time.monotonic(), jobs
         self._left = Counter(cell.label for cell in waiting)
-        self._costs: dict[str, list[float]] = {}
-        self._say(f"{study}: {self.total} cells to answer, {stored} already stored")
+        self._costs = {label: [*seconds] for label, seconds in costs.items()}
+        left = f", {self.left}" if self.total and {*self._left} <= {*self._costs} else ""
+        self._say(f"{study}: {self.total} cells to answer, {stored} already stored{left}")
 
     def advance(self, cell: Cell, outcome: Outcome, seconds: float) -> None:
         """A cell has been answered, in `seconds` of its worker's time."""
@@ -71,7 +83,10 @@ class Progress:
             print(text, file=self.stream, flush=True)
 
     def seconds_left(self) -> float | None:
-        """Expected time left in s, from the mean cost of each label; None before the first cell."""
+        """Expected time left in s, from the mean cost of each label; None as long as none is known.
+
+        A label of which no cell has been answered, now or before, costs the mean of the others.
+        """
         if not self._costs:
             return None
         means = {label: fmean(costs) for label, costs in self._costs.items()}
@@ -96,12 +111,19 @@ class Bar(Progress):
     display: Any = None
     task: Any = None
 
-    def begin(self, study: str, waiting: Sequence[Cell], stored: int, jobs: int) -> None:
+    def begin(
+        self,
+        study: str,
+        waiting: Sequence[Cell],
+        stored: int,
+        jobs: int,
+        costs: Mapping[str, Sequence[float]] = MappingProxyType({}),
+    ) -> None:
         """Draw the bar."""
         from rich import progress
         from rich.console import Console
 
-        super().begin(study, waiting, stored, jobs)
+        super().begin(study, waiting, stored, jobs, costs)
         self.display = progress.Progress(
             progress.TextColumn(study),
             progress.BarColumn(),
@@ -197,11 +219,12 @@ def run_study(
             if cell.key in chosen and (fresh or _to_do(cell, store, timeout, progress))
         ]
         write_manifest(study, cells, store, runs=bool(waiting))
-        stored = len(chosen) - len(waiting)
-        tasks = [task_of(cell, timeout, file) for cell in waiting]
         by_key = {cell.key: cell for cell in waiting}
+        there = [cell for key, cell in chosen.items() if key not in by_key]
+        costs = _costs(there, store) if waiting else {}
+        tasks = [task_of(cell, timeout, file) for cell in waiting]
         workers = max(1, min(getattr(executor, "jobs", 1), len(tasks)))
-        progress.begin(study.name, waiting, stored, workers)
+        progress.begin(study.name, waiting, len(there), workers, costs)
         try:
             # closing: an interrupt stops the workers here, not whenever memory is tidied
             with closing(executor.run(tasks)) as results:
@@ -216,7 +239,7 @@ def run_study(
             for key in store.keys() - {cell.key for cell in cells}:
                 store.remove(key)
         outcomes = Counter(store.record(key)["outcome"] for key in chosen)
-    return RunSummary(study, store.directory, len(waiting), stored, dict(outcomes))
+    return RunSummary(study, store.directory, len(waiting), len(there), dict(outcomes))
 
 
 def _executor(jobs: int | None, scheduler: str | None) -> DaskCluster | Workers | InProcess:
@@ -227,6 +250,14 @@ def _executor(jobs: int | None, scheduler: str | None) -> DaskCluster | Workers 
     if jobs is None or jobs < 0:
         raise InputError("--jobs", jobs, "must be a whole number from 0")
     return Workers(jobs) if jobs else InProcess()
+
+
+def _costs(cells: Sequence[Cell], store: Store) -> dict[str, list[float]]:
+    """Seconds that the stored answers of each label took their workers."""
+    costs: dict[str, list[float]] = {}
+    for cell in cells:
+        costs.setdefault(cell.label, []).append(store.record(cell.key)["first_call"])
+    return costs
 
 
 def _costly_first(study: Study, cells: list[Cell]) -> list[Cell]:
