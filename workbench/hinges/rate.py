@@ -16,12 +16,14 @@ from typing import Any
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.hinges.viscoplastic_kernels import LAW, MOST
+from workbench.hinges.flow_kernels import LAW, MOST
+from workbench.hinges.interaction import ShearSurface
 from workbench.materials import CowperSymonds, Steel
 from workbench.sections import Rectangle, Section
 
 _ITERATIONS, _LAYERS = 60, 400
 _POINTS = MOST // 2  # of each end; with rate, which smooths where flow begins, half of them
+_SHEARED = 8  # of each end, of bars whose web yields in shear
 
 
 @lru_cache(maxsize=256)
@@ -90,16 +92,46 @@ def bar_law(section: Section, steel: Steel, squash_load: float, plastic_moment: 
         between = 0.25 * height**2 - y**2
         law["flange_moment"], law["flange_curve"] = b * between / W, between * lever**2
         law["flange_lever"] = y * lever
-    points = _POINTS
+    c, points = 0.0, _POINTS
     if steel.rate is not None:
         q, points = steel.rate.exponent, _POINTS // 2
         law["reference"], law["exponent"] = steel.rate.reference_rate, q
-        law["overstress"] = overstress_shape(section, q) * (0.5 * height * lever) ** (1.0 / q)
+        c = overstress_shape(section, q) * (0.5 * height * lever) ** (1.0 / q)
     growth = section.second_moment * A / W**2
-    law["hardening"] = (steel.hardening_modulus or 0.0) / steel.yield_stress * growth
-    law["points"] = 2 * points
-    law["place"][: 2 * points], law["weight"][: 2 * points] = _quadrature(points)
+    law["whole"] = 1.0, 1.0, c, _hardening(steel) * growth
+    _spread(law, points)
     return law
+
+
+def panel_law(surface: ShearSurface) -> Any:
+    """The record of a bar whose web yields in shear: flanges and web flow at rates of their own.
+
+    Overstress and hardening are exact in a web that slides and in flanges that bend.
+    """
+    plates, steel = surface.record, surface.steel
+    N = plates["flange_axial"] + plates["web_axial"]
+    M = plates["flange_moment"] + plates["web_moment"]
+    law = bar_law(surface.section, steel, N, M)
+    law["shear"], law["half_web"] = plates["shear"], plates["half_web"] * N / M
+    law["spread"] = N**2 / (2.0 * plates["flanges"] * M)
+    e, a, sliding = plates["half_height"], plates["half_web"], plates["web_axial"]
+    sliding /= sqrt(3.0) * plates["shear"]
+    bent = 4.0 / 3.0 * (e**3 - a**3) * (e - a) / (e**2 - a**2) ** 2  # I A / W^2 of both flanges
+    flanges = web = 0.0
+    if steel.rate is not None:
+        p = 1.0 / steel.rate.exponent
+        flanges = 2.0 * (e ** (2.0 + p) - a ** (2.0 + p)) / ((2.0 + p) * (e**2 - a**2))
+        flanges, web = flanges * (2.0 / (e + a)) ** p, sliding**p
+    H = _hardening(steel)
+    law["flanges"] = plates["flange_axial"] / N, plates["flange_moment"] / M, flanges, H * bent
+    law["web"] = plates["web_axial"] / N, plates["web_moment"] / M, web, H * sliding
+    _spread(law, _SHEARED)
+    return law
+
+
+def _hardening(steel: Steel) -> float:
+    """Hardening modulus over the yield stress."""
+    return (steel.hardening_modulus or 0.0) / steel.yield_stress
 
 
 def _plates(section: Section) -> tuple[float, tuple[float, float]]:
@@ -107,6 +139,12 @@ def _plates(section: Section) -> tuple[float, tuple[float, float]]:
     if isinstance(section.shape, Rectangle):
         return section.width, (0.0, 0.0)
     return section.shape.plates[0], section.flange_plates
+
+
+def _spread(law: Any, points: int) -> None:
+    """Write the points of each end and their weights."""
+    law["points"] = 2 * points
+    law["place"][: 2 * points], law["weight"][: 2 * points] = _quadrature(points)
 
 
 @lru_cache(maxsize=4)

@@ -27,13 +27,15 @@ def with_strain_rate(model: Any, scenario: Any) -> tuple[Any, float, list[Findin
     """Return the scenario that a model solves for one whose steel has a rate or hardens.
 
     With the factor on the yield stress in it, and findings of what the model leaves out. A model
-    that knows strain rate or hardening by itself says so: its `material` names "rate",
+    that knows strain rate or hardening by itself says so: bars do, and its `material` names "rate",
     "hardening"; one that answers with the static strength, "static strength". Statics know no rate.
     """
     steel = steel_of(scenario)
     if steel is None or (steel.rate is None and steel.hardening_modulus is None):
         return scenario, 1.0, []
-    known, findings, factor = getattr(model, "material", ()), [], 1.0
+    bars = getattr(model, "rate_level", FACTOR) == BARS
+    known = ("rate", "hardening") if bars else getattr(model, "material", ())
+    findings, factor = [], 1.0
     if steel.hardening_modulus is not None and "hardening" not in known:
         share = steel.hardening_modulus / steel.elastic_modulus
         findings.append(finding("hardening", share))
@@ -125,17 +127,13 @@ def flows(model: Any, steel: Steel) -> bool:
     return model.rate_level == BARS and bool(steel.rate or steel.hardening_modulus)
 
 
-def material_of(model: Any) -> tuple[str, ...]:
-    """What a model knows of a steel by itself, without a factor on the yield stress."""
-    return ("rate", "hardening") if model.rate_level == BARS else ()
-
-
 def check_bars(model: Any) -> None:
     """Refuse options that bars do not know. Raises `InputError`."""
     if model.rate_level != BARS:
         return
-    for name, known in (("alpha", None), ("beta", None), ("integrator", "midpoint")):
-        if getattr(model, name) != known:
+    known = {"alpha": None, "beta": None, "integrator": "midpoint", "kinematics": "chord"}
+    for name, value in known.items():
+        if getattr(model, name, value) != value:
             advice = f"leave {name} out, or take rate_level = {FACTOR}"
             raise model.refusal(name, f"is not known with rate_level = {BARS}", advice)
 

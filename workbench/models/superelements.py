@@ -47,7 +47,6 @@ from workbench.models.strain_rate import (
     check_bars,
     flows,
     laws_of,
-    material_of,
     with_rate,
 )
 from workbench.responses import Finding, Response, finding
@@ -100,11 +99,6 @@ class _HingedBars(BarFrames):
     rate_level: str = checked(Choice(RATE_LEVELS), FACTOR)
 
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
-
-    @property
-    def material(self) -> tuple[str, ...]:
-        """What it knows of a steel by itself, without a factor on the yield stress."""
-        return material_of(self)
 
     def check(self) -> None:
         """Refuse options that viscoplastic bars do not know."""

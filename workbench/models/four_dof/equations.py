@@ -155,6 +155,16 @@ def bend(s):
     return total
 
 
+def along_tangent(bars: Any) -> bool:
+    """Whether the last step of Newton may be taken without an evaluation.
+
+    Not of panels that know no time, nor where what has flowed is counted.
+    """
+    if "law" in bars.dtype.names:
+        return not any(bars["law"][body]["hardening"] for body in ("whole", "web"))
+    return bool(bars["sliding"] == geometry.RIGID_IN_SHEAR)
+
+
 @njit(cache=True, error_model="numpy")
 def finish(s, size):
     """Take the last Newton step with forces along the tangent, not evaluated anew.
@@ -172,7 +182,7 @@ def finish(s, size):
             work.F[i] += work.K[i, k] * step[k]
     for bar in range(2):
         plastic, stress = state.plastic[bar], state.stress[bar]
-        if work.branch[bar] == ELASTIC:
+        if work.branch[bar] == ELASTIC and column.sliding == geometry.RIGID_IN_SHEAR:
             v, x, b = geometry.place(state.q, column.lengths, bar)
             length, small = column.lengths[bar], column.small_rotations
             stretch, angle = geometry.stretch_and_angle(v, x, length, small)
@@ -185,6 +195,7 @@ def finish(s, size):
         for j in range(3):
             stress[j] += D[bar, j, 0] * step[V] + D[bar, j, 1] * dx
             stress[j] += sign * D[bar, j, 2] * step[BETA]
+        stress[3] = (stress[1] - stress[2]) / column.lengths[bar]  # of panels
     return True
 
 

@@ -31,11 +31,13 @@ def projected(column, bar, elastic, stress, work):
 @njit(cache=True, error_model="numpy")
 def viscoplastic(column, bar, elastic, state, work):
     """Forces of a bar after a step of `work.dt`."""
-    f, pinned = column.flexibility[bar], column.pinned[bar]
-    flows, tangent = flow_of_bar(
+    f, pinned, length = column.flexibility[bar], column.pinned[bar], column.lengths[bar]
+    slides = column.sliding == geometry.CHORD
+    soft = 1.0 / (length * column.web.stiffness) if slides else 0.0
+    flows, tangent, work.flow[bar, 3] = flow_of_bar(
         column.law,
-        column.lengths[bar],
-        (f[0], f[1], f[2], f[3]),
+        length,
+        (f[0], f[1] + soft, f[2] - soft, f[3] + soft),
         (pinned[0] > 0, pinned[1] > 0),
         elastic,
         work.dt,
@@ -44,6 +46,8 @@ def viscoplastic(column, bar, elastic, state, work):
         work.flow[bar, 4:],
     )
     work.branch[bar] = _FLOWING if flows else ELASTIC
+    if slides:
+        state.stress[bar, 3] = (state.stress[bar, 1] - state.stress[bar, 2]) / length
     return tangent
 
 

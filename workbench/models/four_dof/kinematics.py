@@ -105,6 +105,7 @@ def chord_forces(column, bar, stress, work):
     panel = Panel(column.flexibility[bar], pinned, length, column.web)
     trial[2], stress[2] = -trial[2], -stress[2]
     project_condensed(panel, trial, stress[:3], D, work.flow[bar])
+    work.flow[bar, 3] = work.flow[bar, 4]
     stress[2] = -stress[2]
     stress[3] = (stress[1] - stress[2]) / length
     for j in range(2):
@@ -202,7 +203,7 @@ def commit_sliding(column, bar, place, total, start, state, work):
     length, plastic = column.lengths[bar], state.plastic[bar]
     elastic = state.stress[bar, 3] * length / column.web.stiffness
     if column.sliding == CHORD:  # its work is in that of the moments, whose rotations it adds to
-        plastic[3] += work.flow[bar, 4]
+        plastic[3] += work.flow[bar, 3]
         return stretch, end - elastic / length, mid + elastic / length
     (v, x, b), phi = place, state.turn[bar]
     stretch, slide = section_deformations(v, x, length, phi)

@@ -8,16 +8,16 @@ import numpy as np
 
 from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.members import shear_stiffness
-from workbench.hinges import ShearSurface, YieldSurface, has_shear_surface
+from workbench.hinges import ShearSurface, YieldSurface, has_shear_surface, has_webs
 from workbench.hinges.interaction import SHEAR_DEPTHS
-from workbench.hinges.rate import bar_law
+from workbench.hinges.rate import bar_law, panel_law
 from workbench.materials import Steel
 from workbench.models.domain import panel_findings, shear_findings, stub_findings
 from workbench.models.elastic_springs import Springs, beam_springs
-from workbench.models.four_dof import kinematics, statics
+from workbench.models.four_dof import kinematics
 from workbench.models.four_dof.rigid_bars import RigidBars
 from workbench.models.hit_mass import HIT_MASS, WAVES
-from workbench.models.strain_rate import FACTOR, RATE_LEVELS, check_bars, flows, material_of
+from workbench.models.strain_rate import flows
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnScenario
 from workbench.sections import Section
@@ -32,15 +32,12 @@ class FourDof(RigidBars):
 
     Options: `alpha`, `beta`: exponents of the yield surface (None: fitted to the exact N-M
     envelope of the section and stated to one decimal, as the thesis does);
-    `small_rotations`: the kinematics of the SDOF model; `rate_level`, of a steel with a rate law: a
-    factor on the yield stress, or bars that flow and harden point by point (`viscoplastic_kernels`;
-    without rate and hardening the model is the same).
+    `small_rotations`: the kinematics of the SDOF model.
     """
 
     alpha: float | None = checked(Number(1.0, 20.0), optional=True)
     beta: float | None = checked(Number(1.0, 20.0), optional=True)
     small_rotations: bool = checked(Flag(), False)
-    rate_level: str = checked(Choice(RATE_LEVELS), FACTOR)
 
     name: ClassVar[str] = "four-dof"
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -62,19 +59,6 @@ class FourDof(RigidBars):
             fitted.alpha if self.alpha is None else self.alpha,
             fitted.beta if self.beta is None else self.beta,
         )
-
-    @property
-    def material(self) -> tuple[str, ...]:
-        """What it knows of a steel by itself, without a factor on the yield stress."""
-        return material_of(self)
-
-    def _tables(self, column: Column) -> statics.Tables:
-        return statics.VISCOPLASTIC if flows(self, column.steel) else statics.HINGES
-
-    def check(self) -> None:
-        """Refuse options that viscoplastic bars do not know."""
-        super().check()
-        check_bars(self)
 
     def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:
         section = scenario.column.section
@@ -121,7 +105,8 @@ class FourDofShear(RigidBars):
         "Uniform shear stress in the webs, none in the flanges; associated flow on the N-M-V "
         "domain of the plates, root fillets in the flanges.",
         "A web slides without limit, and a sliding bar stretches as its flanges are continuous: no "
-        "web buckling, no fracture, no mechanism of the flanges; strain rate by one factor.",
+        "web buckling, no fracture, no mechanism of the flanges; strain rate by one factor, or, "
+        "with rate_level = bars, rate and hardening of flanges and web at every point of the bars.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017", "en1993-1-5")
 
@@ -133,6 +118,8 @@ class FourDofShear(RigidBars):
         column = scenario.column
         if not has_shear_surface(column.section):
             return [finding("no-plane-webs", name=column.section.name)]
+        if flows(self, column.steel) and not has_webs(column.section):
+            return [finding("no-flanges", name=column.section.name)]
         surface = self.surface(column)
         lengths = {"below": column.length_below, "above": column.length_above}
         findings = panel_findings(surface, column.properties, "the column")
@@ -153,6 +140,8 @@ class FourDofShear(RigidBars):
         bars["sliding"], web = _KINEMATICS[self.kinematics], bars["web"]
         bars["squash_loads"] = web["flange_axial"] + web["web_axial"]
         bars["plastic_moments"] = web["flange_moment"] + web["web_moment"]
+        if flows(self, column.steel):
+            bars["law"] = panel_law(self.surface(column))
 
 
 @lru_cache(maxsize=64)

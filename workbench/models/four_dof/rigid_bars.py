@@ -25,9 +25,10 @@ from workbench.impact.records import Run, follow, followed, histories_of
 from workbench.models.base import Answering
 from workbench.models.domain import buckling_findings, count_finding, step_finding
 from workbench.models.elastic_springs import Springs, thesis_springs
-from workbench.models.four_dof import kinematics, march, statics
+from workbench.models.four_dof import equations, kinematics, march, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
+from workbench.models.strain_rate import FACTOR, RATE_LEVELS, check_bars, flows
 from workbench.responses import VARIABLES, Finding, Response, build_response, open_share
 from workbench.responses.histories import balance_error
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario
@@ -58,7 +59,8 @@ class RigidBars(Answering):
     balance closes to 1e-6; moreau: a fifth of the inverse of the highest axial frequency);
     `spring_shares_load`: the restraint spring is there before the axial load comes on; `hit_mass`:
     a third of the column (thesis), or what of it shares the velocity of the striker at once
-    (waves).
+    (waves); `rate_level`, of a steel with a rate law: a factor on the yield stress, or bars that
+    flow and harden point by point (without rate and hardening the model is the same).
     """
 
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
@@ -66,6 +68,7 @@ class RigidBars(Answering):
     time_step: float | None = checked(Number(_SHORTEST_STEP, 1.0, "s"), optional=True)
     spring_shares_load: bool = checked(Flag(), False)
     hit_mass: str = checked(HIT_MASS, THESIS)
+    rate_level: str = checked(Choice(RATE_LEVELS), FACTOR)
 
     name: ClassVar[str]
     version: ClassVar[int] = 5
@@ -85,6 +88,11 @@ class RigidBars(Answering):
     )
     _BALANCE: ClassVar[float] = 1e-6  # of the input energy, in which the ledger closes
 
+    def check(self) -> None:
+        """Refuse options that viscoplastic bars do not know."""
+        super().check()
+        check_bars(self)
+
     @property
     def crushing(self) -> bool:
         """Whether its steps know a striker that crushes."""
@@ -95,8 +103,7 @@ class RigidBars(Answering):
         raise NotImplementedError
 
     def _tables(self, column: Column) -> statics.Tables:
-        """The tables of its bars."""
-        return statics.HINGES
+        return statics.VISCOPLASTIC if flows(self, column.steel) else statics.HINGES
 
     def _springs(self, column: Column) -> Springs:
         """Those of the elastic column."""
@@ -280,7 +287,7 @@ class RigidBars(Answering):
         tables = self._tables(scenario.column)
         states, room = np.zeros(2, tables.state), np.zeros(1, tables.work)
         states["q"][0] = q
-        if _along_tangent(table[0]):
+        if equations.along_tangent(table[0]):
             room["finish_below"] = march.NEARLY if pace.error < inf else march.CLOSELY
         drive = striker.mass, striker.velocity, striker.restitution, 0.0
         entry, given = _ENTRIES[self.integrator], (table, states, room)
@@ -295,16 +302,6 @@ def _kept(model: RigidBars, column: Column) -> tuple[bytes, Array]:
     """The bars of a column, for the next strike: records of many fields are slow to copy."""
     bars, q = model._bars(column)
     return bars.tobytes(), q
-
-
-def _along_tangent(bars: Any) -> bool:
-    """Whether the last step of Newton may be taken without an evaluation.
-
-    Not of panels, nor where what has flowed is counted.
-    """
-    if bars["sliding"] != kinematics.RIGID_IN_SHEAR:
-        return False
-    return "law" not in bars.dtype.names or bars["law"]["hardening"] == 0.0
 
 
 def _collapsed(bars: Any, state: Any) -> CollapseError:

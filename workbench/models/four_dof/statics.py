@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from workbench.compiled import njit
+from workbench.hinges.flow_kernels import LAW, MOST
 from workbench.hinges.kernels import newton_in_bracket
 from workbench.hinges.panel_kernels import WEB
-from workbench.hinges.viscoplastic_kernels import LAW, MOST
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof.hinge_forces import hinge_forces
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
@@ -78,7 +78,7 @@ WORK = np.dtype(  # room for the numbers of one evaluation
         ("branch", int, 2),  # of the projection
         ("z", float, 2),  # where on the yield surface it began to look, and found it
         ("trial", float, 3),
-        ("flow", float, (2, 5)),
+        ("flow", float, (2, 5)),  # of it the fourth: how far the web slides
     ]
 )
 

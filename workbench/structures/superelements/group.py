@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from workbench.arrays import Array, Flags
 from workbench.hinges import ShearSurface, YieldSurface
+from workbench.hinges.flow_kernels import LAW, MOST, gauge
 from workbench.hinges.panel_kernels import WEB
-from workbench.hinges.viscoplastic_kernels import LAW, MOST, gauge
 from workbench.structures.elements import Bars, HingedElements
 from workbench.structures.superelements import kernels
 

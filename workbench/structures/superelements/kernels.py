@@ -61,7 +61,7 @@ def _at_rate(e, time, hinges, plastic, trial, forces, k, flow):
     f, pins = hinges.flexibility, hinges.pinned
     f_n, f11, f14, f44 = f[e, 0], f[e, 1], f[e, 2], f[e, 3]
     forces[1] = -forces[1]
-    _, (nn, n1, n4, k11, k14, k44) = flow_of_bar(
+    _, (nn, n1, n4, k11, k14, k44), _ = flow_of_bar(
         hinges.laws[e],
         hinges.lengths[e],
         (f_n, f11, -f14, f44),
