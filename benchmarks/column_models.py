@@ -3,24 +3,27 @@
 Prints the median wall time of one impact of the thesis column (15 m/s, 0.1 s followed) after
 compilation, its ratio to the SDOF column, the least time of solving (of lumped columns from the
 kept springs or resistance to the records, of frames the steps) and of all else: findings, response,
-provenance, of frames their structure too. Then the four-DOF column against OpenSeesPy, if that is
-installed (extra `cross-check`). Nothing here passes or fails.
+provenance, of frames their structure too. Then the cost of the strain rate, and the four-DOF column
+against OpenSeesPy, if that is installed (extra `cross-check`). Nothing here passes or fails.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from math import inf
 from statistics import median
-from time import perf_counter
+from time import perf_counter, process_time
 
 import opensees
 
 from workbench.datafiles import data_directory
+from workbench.materials import MILD_STEEL
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.single_dof import SingleDof
+from workbench.models.strain_rate import with_rate
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.scenarios import ColumnImpact, load_scenario
@@ -65,7 +68,27 @@ def main() -> None:
             f"{label:<22}{1e3 * median(values):>9.2f} ms{median(values) / base:>12.1f}"
             f"{spent:>14}{rest:>14}"
         )
+    cost_of_rate(impact)
     against_opensees(impact)
+
+
+def cost_of_rate(impact: ColumnImpact) -> None:
+    """Least times of an answer with a rate law over those without, of one factor and of bars."""
+    rated = with_rate(impact, MILD_STEEL)
+    hard = replace(rated.column.steel, hardening_modulus=2.1e9)
+    hardened = replace(rated, column=replace(rated.column, steel=hard))
+    for model in (FourDof(), FourDofShear()):
+        bars = replace(model, rate_level="bars")
+        cells = (model, impact), (model, rated), (bars, rated), (bars, hardened)
+        spent: list[list[float]] = [[] for _ in cells]
+        for _ in range(30):
+            for times, (each, scenario) in zip(spent, cells, strict=True):
+                start = process_time()
+                each.simulate(scenario)
+                times.append(process_time() - start)
+        base, *rest = (min(times) for times in spent)
+        factor, flowing, both = (each / base for each in rest)
+        print(f"{model.name:<22}factor {factor:.2f}, bars {flowing:.1f}, hardening too {both:.1f}")
 
 
 def against_opensees(impact: ColumnImpact) -> None:
