@@ -41,7 +41,8 @@ class CowperSymonds(Declared, table="steel.rate"):
 
     def factor(self, rate: float) -> float:
         """Yield stress at a plastic strain rate (1/s) over the static one."""
-        return float(1.0 + (rate / self.reference_rate) ** (1.0 / self.exponent))
+        factor: float = 1.0 + (rate / self.reference_rate) ** (1.0 / self.exponent)
+        return factor
 
 
 MILD_STEEL = CowperSymonds(40.4, 5.0)  # Jones 2012, table 8.1

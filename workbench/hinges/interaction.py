@@ -74,10 +74,16 @@ class YieldSurface(Declared, table="yield_surface"):
 
         `decimals` rounds the exponents (never below 1): the thesis states them to one decimal.
         """
-        alpha, beta = section.interaction_fit()
-        if decimals is not None:
-            alpha, beta = max(1.0, round(alpha, decimals)), max(1.0, round(beta, decimals))
-        return cls(section.squash_load(steel), section.plastic_moment(steel), alpha, beta)
+        exponents = fitted_exponents(section, decimals)
+        return cls(section.squash_load(steel), section.plastic_moment(steel), *exponents)
+
+
+def fitted_exponents(section: Section, decimals: int | None = None) -> tuple[float, float]:
+    """Exponents of the moment and of the axial force, see `YieldSurface.fit`."""
+    alpha, beta = section.interaction_fit()
+    if decimals is not None:
+        alpha, beta = max(1.0, round(alpha, decimals)), max(1.0, round(beta, decimals))
+    return alpha, beta
 
 
 def _attalla(n: Array) -> Array:
@@ -228,7 +234,7 @@ class ShearSurface(Declared, table="shear_surface"):
         area = upright * (shape.height - (2.0 if self.depth == "clear" else 1.0) * flange)
         b, flange = self.section.flange_plates
         clear, between = shape.height - 2.0 * flange, shape.height - flange
-        web = np.zeros(1, panel_kernels.WEB)[0]
+        web = np.zeros(np.shape(f_y), panel_kernels.WEB)
         web["shear"], web["stiffness"] = (
             area * self.steel.shear_yield_stress,
             area * self.steel.shear_modulus,
@@ -240,18 +246,18 @@ class ShearSurface(Declared, table="shear_surface"):
         )
         web["half_web"], web["half_height"] = clear / 2.0, shape.height / 2.0
         web["flanges"] = 2.0 * b * f_y
-        return web
+        return web[()]
 
     def _solid(self, shape: Rectangle) -> Any:
         """The record of a solid rectangle: all web, 5/6 of it stiff in shear."""
         area, f_y = shape.height * shape.width, self.steel.yield_stress
-        web = np.zeros(1, panel_kernels.WEB)[0]
+        web = np.zeros(np.shape(f_y), panel_kernels.WEB)
         web["shear"] = area * self.steel.shear_yield_stress
         web["stiffness"] = 5.0 / 6.0 * area * self.steel.shear_modulus
         web["web_axial"], web["web_moment"] = area * f_y, area * shape.height * f_y / 4.0
         web["half_web"] = web["half_height"] = shape.height / 2.0
         web["solid"] = True
-        return web
+        return web[()]
 
     @property
     def shear_resistance(self) -> float:
@@ -261,12 +267,14 @@ class ShearSurface(Declared, table="shear_surface"):
     @property
     def squash_load(self) -> float:
         """Plastic axial resistance without shear, in N."""
-        return float(self.record["flange_axial"] + self.record["web_axial"])
+        load: float = self.record["flange_axial"] + self.record["web_axial"]
+        return load
 
-    @cached_property
+    @property
     def plastic_moment(self) -> float:
         """Plastic moment (N m) of what it is made of, without axial and shear force."""
-        return float(self.moment_capacity(0.0, 0.0))
+        moment: float = self.record["flange_moment"] + self.record["web_moment"]
+        return moment
 
     @property
     def flange_mechanism(self) -> float:

@@ -10,7 +10,7 @@ docs/theory/strain-rate.md.
 """
 
 from functools import lru_cache
-from math import exp, inf, log, log1p, sqrt
+from math import inf, sqrt
 from typing import Any
 
 import numpy as np
@@ -54,18 +54,20 @@ def hinge_overstress(
     rate: float, length: float, height: float, shape: float, law: CowperSymonds
 ) -> float:
     """Inverse of `rotation_rate`: mu - 1 at a rotation rate (rad/s)."""
-    if rate <= 0.0:
-        return 0.0
     q, D = law.exponent, law.reference_rate
-    wanted = log((q + 1.0) * shape**q * height * rate / (2.0 * D * length))
-    logarithm = wanted / (q + 1.0)
-    for _ in range(_ITERATIONS):  # Newton in ln x: rising and concave, slope between q and q + 1
-        x = exp(logarithm)
-        change = ((q + 1.0) * logarithm - log1p(x) - wanted) / (q + 1.0 - x / (1.0 + x))
-        logarithm -= change
-        if abs(change) <= 1e-14 * max(1.0, abs(logarithm)):
-            break
-    return exp(logarithm)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        wanted: Any = np.log((q + 1.0) * shape**q * height * rate / (2.0 * D * length))
+        logarithm, open_ = wanted / (q + 1.0), True
+        for _ in range(_ITERATIONS):  # Newton in ln x: rising, concave, slope between q and q + 1
+            x = np.exp(logarithm)
+            change = ((q + 1.0) * logarithm - np.log1p(x) - wanted) / (q + 1.0 - x / (1.0 + x))
+            logarithm = logarithm - np.where(open_, change, 0.0)[()]
+            open_ = np.logical_and(open_, abs(change) > 1e-14 * np.maximum(1.0, abs(logarithm)))
+            if not np.any(open_):
+                break
+        whole: Any = np.where(wanted > -np.inf, np.exp(logarithm), 0.0)
+    over: float = whole[()]
+    return over
 
 
 def panel_overstress(rate: float, law: CowperSymonds) -> float:

@@ -1,8 +1,9 @@
 """Answers of one model to many scenarios as a table, of stacks in compiled loops.
 
-A model with `answer_stack` answers a stack of struck columns at once, with the numbers of single
-calls: same formulas, same integrator. Rows that it cannot answer that way are asked one by one, so
-that refusals and failures have the words of a single call.
+A model with `stackable(scenario)`, `refused(stack)` and `answer_stack(stack, refused)` answers a
+stack of struck columns at once, with the numbers of single calls: same formulas, same integrator.
+Rows that it cannot answer that way are asked one by one, so that refusals and failures have the
+words of a single call.
 """
 
 import os
@@ -16,6 +17,7 @@ import pandas as pd
 from workbench.arrays import Array, Indices
 from workbench.errors import CollapseError, InputError
 from workbench.models.base import Model, on_one_mesh
+from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import SCALARS, Outcome, failure_message, outcome_of, scalars_of
 from workbench.scenarios import Scenario
 from workbench.scenarios.varied import stacks, take
@@ -34,6 +36,14 @@ class Answers(NamedTuple):
     codes: Indices
     scalars: dict[str, Array]
     collapse: Callable[[int], CollapseError]
+
+    @classmethod
+    def of(
+        cls, codes: Indices, scalars: dict[str, Array], collapse: Callable[[int], CollapseError]
+    ) -> "Answers":
+        """Those of numbers that count only where the structure survives."""
+        known = {name: np.where(codes == SURVIVES, each, np.nan) for name, each in scalars.items()}
+        return cls(codes, known, collapse)
 
 
 def can_stack(model: Any, scenario: Scenario) -> bool:
@@ -78,7 +88,10 @@ def simulate_many(
             failures[row] = str(response.attrs["message"])
 
     def stacked(part: tuple[Indices, Any]) -> tuple[Indices, Answers]:
-        return part[0], alone.answer_stack(part[1], len(part[0]))  # type: ignore[attr-defined]
+        rows, stack = part
+        refused = np.broadcast_to(alone.refused(stack), len(rows))  # type: ignore[attr-defined]
+        solved = with_strain_rate(alone, stack)[0]
+        return rows, alone.answer_stack(solved, refused)  # type: ignore[attr-defined]
 
     left: list[Indices] = []
     parts = _parts(alone, scenarios, left)

@@ -1,8 +1,7 @@
 """Where member models stop applying: loads, stability, plastic shear; input of odd size."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import lru_cache
-from math import pi, sqrt
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -148,9 +147,16 @@ def shear_demand(scenario: ColumnScenario) -> dict[str, float]:
     return dict(mechanism_demand(scenario.column, uniform=uniform))
 
 
-@lru_cache(maxsize=256)
 def mechanism_demand(column: Column, *, uniform: bool = False) -> Mapping[str, float]:
     """The same of a column under a `uniform` load, or a force at the hit point."""
+    name = f"demand of a {'line' if uniform else 'point'} load"
+    if name not in column.kept:
+        column.kept[name] = _demand(column, uniform)
+    demand: dict[str, float] = column.kept[name]
+    return demand
+
+
+def _demand(column: Column, uniform: bool) -> dict[str, float]:
     properties = column.properties
     below, above = ((2.0 if clamped else 1.0) / length for length, clamped in column.bars.values())
     ratio = properties.plastic_moment / properties.shear_resistance
@@ -264,19 +270,31 @@ def panel_findings(
     moment or squash load more than 10 % off the section's. Above 1 % off it is a warning.
     """
     findings = []
-    epsilon = sqrt(235e6 / surface.steel.yield_stress)
-    slenderness = surface.web_slenderness / (_STOCKY * epsilon)
+    slenderness, ratio = _panel_numbers(surface, properties)
     if slenderness > 1.0:
         findings.append(finding("shear-buckling", slenderness, member=subject))
-    pairs = (
-        surface.plastic_moment / properties.plastic_moment,
-        surface.squash_load / properties.squash_load,
-    )
-    ratio = max(pairs, key=lambda share: abs(share - 1.0))
     if abs(ratio - 1.0) > _FEW_PERCENT:
         far = abs(ratio - 1.0) > _MUCH
         findings.append(finding("plates", ratio, refusal=far, member=subject))
     return findings
+
+
+def panel_refused(surface: ShearSurface, properties: MemberProperties) -> Any:
+    """Whether there is a refusal among `panel_findings`; flags of a stack."""
+    slenderness, ratio = _panel_numbers(surface, properties)
+    return (slenderness > 1.0) | (abs(ratio - 1.0) > _MUCH)
+
+
+def _panel_numbers(surface: ShearSurface, properties: MemberProperties) -> tuple[float, float]:
+    """Slenderness of the webs over the bound; strength of the panel over that of the member.
+
+    Moment or axial force, whichever is farther from 1.
+    """
+    epsilon = np.sqrt(235e6 / surface.steel.yield_stress)
+    moment = surface.plastic_moment / properties.plastic_moment
+    axial = surface.squash_load / properties.squash_load
+    ratio: Any = np.where(abs(axial - 1.0) > abs(moment - 1.0), axial, moment)[()]
+    return surface.web_slenderness / (_STOCKY * epsilon), ratio
 
 
 def implausible(scenario: Scenario) -> list[Finding]:

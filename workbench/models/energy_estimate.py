@@ -9,19 +9,18 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from workbench.arrays import Array, Indices
+from workbench.arrays import Array, Flags, Indices
 from workbench.compiled import njit
 from workbench.errors import CollapseError
 from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN, Answers
-from workbench.models.domain import buckles
 from workbench.models.hit_mass import with_hit_mass
 from workbench.models.resistance import OnCurve, column_curve, columns
-from workbench.models.resistance.columns import rows_of, spread
+from workbench.models.resistance.columns import rows_of
 from workbench.models.resistance.kernels import displacement_at, residual, work_between
 from workbench.models.resistance.shapes import Rows, curve_of
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, ColumnScenario
-from workbench.scenarios.varied import take
+from workbench.scenarios.varied import spread, take
 
 
 @dataclass(frozen=True)
@@ -56,25 +55,24 @@ class EnergyEstimate(OnCurve):
         """Whether it answers such impacts in stacks."""
         return self.curve_stacks(scenario)
 
-    def answer_stack(self, scenario: ColumnImpact, count: int) -> Answers:
-        """Answers to a stack of `count` impacts, see `models.batch`."""
+    def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> Answers:
+        """Answers to a stack of impacts, see `models.batch`; none of those that are `refused`."""
+        count = len(refused)
         options = self.resistance, self.rotational_stiffness, self.interaction
+        scenario = with_hit_mass(scenario, self.hit_mass)
         rows, exhausted = rows_of(scenario.column, count, *options)
-        codes = np.where(exhausted | buckles(scenario), UNKNOWN, SURVIVES)
+        codes = np.where(exhausted | refused, UNKNOWN, SURVIVES)
         peak, left = np.full((2, count), np.nan)
-        energy = spread(energy_to_absorb(with_hit_mass(scenario, self.hit_mass)), count)
+        energy = spread(energy_to_absorb(scenario), count)
         absorb(rows, energy, codes, peak, left)
-        limits = np.where(codes == SURVIVES, np.nan, peak)
         values = {"peak_displacement": peak, "residual_displacement": left}
-        values["input_energy"] = spread(scenario.input_energy, count).copy()
-        for each in values.values():
-            each[codes != SURVIVES] = np.nan
+        values["input_energy"] = spread(scenario.input_energy, count)
 
         def collapse(i: int) -> CollapseError:
             column = take(scenario.column, i)
-            return columns.fallen(column, bool(codes[i] == LOST), float(limits[i]))
+            return columns.fallen(column, bool(codes[i] == LOST), float(peak[i]))
 
-        return Answers(codes, values, collapse)
+        return Answers.of(codes, values, collapse)
 
     def _solve(self, scenario: ColumnImpact) -> Response:
         column = scenario.column

@@ -14,8 +14,9 @@ column gives never less than a piece as long as its section is high. Derivation,
 to bias and scatter, and where the argument is weak: docs/theory/hit-mass.md.
 """
 
-from functools import lru_cache
 from math import pi, sqrt
+
+import numpy as np
 
 from workbench.fields import Choice
 from workbench.models.domain import mechanism_demand
@@ -39,31 +40,33 @@ def wave_mass(scenario: ColumnImpact) -> float:
     column, properties = scenario.column, scenario.column.properties
     lumped, demand = properties.impact_mass, mechanism_demand(column)
     ratio = lumped / scenario.striker.mass
-    yielding = max(0.0, 1.0 - front_velocity(scenario) / scenario.striker.velocity)
+    yielding = np.maximum(0.0, 1.0 - front_velocity(scenario) / scenario.striker.velocity)
     plastic = 1.0 - elastic_energy(column) * (1.0 + ratio) / scenario.input_energy
     shared = 0.0
     for bar, (length, clamped) in column.bars.items():
-        left = max(0.0, 1.0 - demand[bar])  # of V_pl, to bring the bar to speed
+        left = np.maximum(0.0, 1.0 - demand[bar])  # of V_pl, to bring the bar to speed
         lost = left * (1.0 + ratio) / (left + ratio)
         share = 1.0 - yielding * (1.0 - lost)
         if clamped:
-            share -= max(0.0, plastic) * late_work(scenario, length)
-        shared += max(0.0, share) * length / column.length
+            share = share - np.maximum(0.0, plastic) * late_work(scenario, length)
+        shared = shared + np.maximum(0.0, share) * length / column.length
     piece = properties.mass_per_length * column.section.height
-    return min(max(shared * lumped, piece), lumped)
+    mass: float = np.minimum(np.maximum(shared * lumped, piece), lumped)
+    return mass
 
 
 def front_velocity(scenario: ColumnImpact) -> float:
     """Velocity (m/s) of a hit whose elastic shear wave carries the plastic shear resistance."""
     properties = scenario.column.properties
     rigidity = shear_rigidity(scenario.column)
-    return properties.shear_resistance / sqrt(rigidity * properties.mass_per_length)
+    velocity: float = properties.shear_resistance / np.sqrt(rigidity * properties.mass_per_length)
+    return velocity
 
 
 def shear_rigidity(column: Column) -> float:
     """G A_w (N) of what carries the plastic shear resistance."""
     area = sqrt(3.0) * column.properties.shear_resistance / column.steel.yield_stress
-    return float(column.steel.shear_modulus * area)
+    return column.steel.shear_modulus * area
 
 
 def late_work(scenario: ColumnImpact, length: float) -> float:
@@ -74,13 +77,13 @@ def late_work(scenario: ColumnImpact, length: float) -> float:
     column, properties = scenario.column, scenario.column.properties
     bending = column.steel.elastic_modulus * properties.second_moment
     mass = properties.mass_per_length
-    late = 0.5 * pi * (length / _FIRST_MODE) ** 2 * sqrt(mass / bending)
-    moment = min(properties.plastic_moment, 0.5 * properties.shear_resistance * length)
+    late = 0.5 * pi * (length / _FIRST_MODE) ** 2 * np.sqrt(mass / bending)
+    moment = np.minimum(properties.plastic_moment, 0.5 * properties.shear_resistance * length)
     share = 6.0 * moment * late / (mass * length**2 * scenario.striker.velocity)
-    return min(1.0, share)
+    most: float = np.minimum(1.0, share)
+    return most
 
 
-@lru_cache(maxsize=256)
 def elastic_energy(column: Column) -> float:
     """Energy (J) of the column at its plastic mechanism if it were elastic until then."""
     properties = column.properties
@@ -89,6 +92,6 @@ def elastic_energy(column: Column) -> float:
     demand = mechanism_demand(column)
     for bar, (length, clamped) in column.bars.items():
         flexible = length**3 / ((12.0 if clamped else 3.0) * bending)
-        stiffness += 1.0 / (flexible + length / shear_rigidity(column))
-        resistance += min(demand[bar], 1.0) * properties.shear_resistance
+        stiffness = stiffness + 1.0 / (flexible + length / shear_rigidity(column))
+        resistance = resistance + np.minimum(demand[bar], 1.0) * properties.shear_resistance
     return 0.5 * resistance**2 / stiffness

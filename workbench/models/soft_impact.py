@@ -16,27 +16,44 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from workbench.compiled import njit
-from workbench.errors import SolverError
+from workbench.arrays import Flags
+from workbench.compiled import njit, register_jitable
+from workbench.errors import CollapseError, SolverError
 from workbench.fields import Number, checked
 from workbench.impact.contact import uncounted
 from workbench.impact.crushing import UNLOADING, force_at
-from workbench.impact.integrator import DRIVE, Model, begin, march_of, no_flow
+from workbench.impact.integrator import (
+    COLLAPSE,
+    DONE,
+    DRIVE,
+    PROGRESS,
+    Model,
+    begin,
+    march_of,
+    no_flow,
+)
 from workbench.impact.pace import Pace
 from workbench.impact.records import follow, law_of
+from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN, Answers
 from workbench.models.domain import shear_warnings
 from workbench.models.hit_mass import with_hit_mass
 from workbench.models.resistance import PANEL, OnCurve, ResistanceCurve, column_curve, columns
+from workbench.models.resistance.kernels import unloading_stiffness
+from workbench.models.resistance.shapes import curve_of
 from workbench.models.single_dof import march as one_mass
 from workbench.models.single_dof.spring import spring_moved
 from workbench.responses import Finding, Response, build_response, energy_error, finding
-from workbench.responses.histories import still_grows
-from workbench.scenarios import ColumnImpact
+from workbench.responses.histories import FORCE_WINDOW, open_share, still_grows, unbalanced
+from workbench.responses.kernels import first_peak, largest_window
+from workbench.scenarios import ColumnImpact, ColumnScenario
 from workbench.scenarios.traffic import VEHICLE_STIFFNESS
+from workbench.scenarios.varied import spread, take
 
 _STEPS_PER_PERIOD = 100  # of the highest frequency of both springs
 _FEWEST_STEPS, _MOST_STEPS = 500, 1_000_000
 _BALANCE = 1e-3  # of the input energy, which the ledger may be open
+SCALARS = ("peak_displacement", "time_of_peak", "residual_displacement", "peak_force", "impulse")
+_unbalanced, _open_share = register_jitable(unbalanced), register_jitable(open_share)
 
 
 class TwoMasses(NamedTuple):
@@ -108,6 +125,80 @@ def impact(pieces, drive, progress, records):
     return _march(s, begin(drive, progress[0]), progress[0], records)
 
 
+@njit(cache=True, error_model="numpy")
+def steps_of(duration, column, striker):
+    """How many steps a record of a `duration` (s) takes, and step times highest frequency.
+
+    Arguments: mass (kg) and steepest stiffness (N/m) of the column, and of the striker.
+    """
+    (mass, slope), (light, unloading) = column, striker
+    frequency = ((slope + unloading) / mass + unloading / light) ** 0.5
+    steps = np.ceil(duration * frequency * _STEPS_PER_PERIOD / (2.0 * np.pi))
+    count = int(min(max(steps, _FEWEST_STEPS), _MOST_STEPS))
+    return count, duration / count * frequency
+
+
+@njit(cache=True, error_model="numpy")
+def read(records, given, numbers):
+    """Write the `numbers` of an impact, as SCALARS has them; how far its ledger is open.
+
+    Argument: the energy `given` (J).
+    """
+    time, v, percussion = records["time"], records["displacement"], records["percussion"]
+    numbers[0] = numbers[1] = np.nan
+    if percussion[-1] > 0.0 and records["striker_velocity"][-1] > 0.0:  # it still pushes
+        numbers[2] = np.nan
+    else:
+        numbers[2] = records["plastic"][-1]
+        if np.argmax(v) < v.size - 1:
+            numbers[0], numbers[1] = first_peak(time, v)
+    numbers[3] = largest_window(time[1:], percussion[1:], FORCE_WINDOW) / FORCE_WINDOW
+    numbers[4] = percussion.sum()
+    balance = np.empty(records.size)
+    for n in range(records.size):
+        row = records[n]
+        brought, gained = given + row.external_work, row.elastic - records[0].elastic
+        balance[n] = _unbalanced(brought, row.kinetic, gained, row.dissipated, row.contact_loss)
+    return _open_share(balance, given, records[0].elastic)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def impacts(rows, strikes, spring, codes, numbers):
+    """Follow impacts on many columns: writes their `codes` and `numbers` (n, SCALARS).
+
+    Of one that collapses displacement (m) and time (s). Arguments: `rows` of mechanisms; `strikes`
+    (n, 5), mass (kg), velocity (m/s) and energy (J) of the striker, duration (s), impact mass (kg);
+    `spring` of what crushes, stiffness (N/m) and force (N).
+    """
+    stiffness, force = spring
+    records = np.empty(1024, one_mass.RECORD)
+    for i in range(codes.size):
+        if codes[i] != SURVIVES:
+            continue
+        striker, velocity, energy, duration, mass = strikes[i]
+        pieces, elastic_limit, lost, unloads = curve_of(rows, i)
+        slope = unloading_stiffness(pieces, rows.reach[i])
+        count, turned = steps_of(duration, (mass, slope), (striker, stiffness))
+        codes[i] = UNKNOWN
+        if unloads or turned > 1.0:
+            continue
+        limit, length = min(rows.reach[i], lost), duration / count
+        drive = np.array(
+            [
+                *(duration, length, length, np.inf, np.inf, np.inf, 1.001 * length, float(count)),
+                *(striker, velocity, 0.0, 0.0, elastic_limit, limit, mass, stiffness, force),
+            ]
+        )
+        if records.size < count + 4:
+            records = np.empty(count + 4, one_mass.RECORD)
+        status, n = impact(pieces, drive, np.zeros(1, PROGRESS), records[: count + 4])
+        if status == COLLAPSE:
+            codes[i] = LOST if lost <= rows.reach[i] else COLLAPSES
+            numbers[i, 0], numbers[i, 1] = records[n - 1].displacement, records[n - 1].time
+        elif status == DONE and read(records[:n], energy, numbers[i]) <= _BALANCE:
+            codes[i] = SURVIVES
+
+
 @dataclass(frozen=True)
 class SoftImpact(OnCurve):
     """Two masses on two springs: what of the vehicle crushes, and the column as of single-dof."""
@@ -152,6 +243,32 @@ class SoftImpact(OnCurve):
             findings.append(finding("stiffness-of-cars", stiffness=VEHICLE_STIFFNESS / 1e3))
         return findings
 
+    def stackable(self, scenario: ColumnScenario) -> bool:
+        """Whether it answers such impacts in stacks."""
+        return self.curve_stacks(scenario)
+
+    def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> Answers:
+        """Answers to a stack of impacts, see `models.batch`; none of those that are `refused`."""
+        count = len(refused)
+        scenario = with_hit_mass(scenario, self.hit_mass)
+        column, striker = scenario.column, scenario.striker
+        options = self.resistance, self.rotational_stiffness, self.interaction
+        rows, exhausted = columns.rows_of(column, count, *options)
+        codes = np.where(exhausted | refused, UNKNOWN, SURVIVES)
+        energy = spread(scenario.input_energy, count)
+        hits = striker.mass, striker.velocity, energy, scenario.duration
+        strikes = np.stack([spread(x, count) for x in (*hits, column.properties.impact_mass)], 1)
+        numbers = np.full((count, len(SCALARS)), np.nan)
+        force = np.inf if self.crush_force is None else self.crush_force
+        impacts(rows, strikes, (self.striker_stiffness, force), codes, numbers)
+        values = dict(zip(SCALARS, numbers.T, strict=True)) | {"input_energy": energy}
+
+        def collapse(i: int) -> CollapseError:
+            v, time = map(float, numbers[i, :2])
+            return columns.fallen(take(column, i), bool(codes[i] == LOST), v, time)
+
+        return Answers.of(codes, values, collapse)
+
     def _solve(self, scenario: ColumnImpact) -> Response:
         started = perf_counter()
         scenario = with_hit_mass(scenario, self.hit_mass)
@@ -161,14 +278,13 @@ class SoftImpact(OnCurve):
         if striker.crushes:
             loading = float(law["unloading"]) / UNLOADING
         unloading = float(law["unloading"]) if striker.crushes else loading
-        stiffest = curve.unloading_stiffness(columns.reach(column)) + unloading
-        frequency = float(np.sqrt(stiffest / mass + unloading / striker.mass))
-        steps = scenario.duration * frequency * _STEPS_PER_PERIOD / (2.0 * np.pi)
-        count = int(np.clip(np.ceil(steps), _FEWEST_STEPS, _MOST_STEPS))
+        steepest = curve.unloading_stiffness(columns.reach(column))
+        bodies = (mass, steepest), (striker.mass, unloading)
+        count, turned = steps_of(scenario.duration, *bodies)
         step = scenario.duration / count
-        if step * frequency > 1.0:
+        if turned > 1.0:
             where = f"steps of {step:.2g} s, at most {_MOST_STEPS:.0e} are kept"
-            raise SolverError(where, step * frequency, "a softer striker or a shorter record")
+            raise SolverError(where, turned, "a softer striker or a shorter record")
         force = np.inf if self.crush_force is None else self.crush_force
         stiffness = np.inf if striker.crushes else self.striker_stiffness
         blow, limit = (striker.mass, striker.velocity, 0.0, 0.0), columns.limit_of(curve, column)

@@ -8,8 +8,9 @@ stay. Level B (option `rate_level`): bars that flow point by point (`hinges.rate
 place of hinges on a yield surface. See docs/theory/strain-rate.md.
 """
 
-from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from workbench.frames.column_estimate import column_like
 from workbench.frames.superelements import joint_surface
@@ -59,7 +60,8 @@ def stronger(scenario: Any, factor: float) -> Any:
     """Return the scenario of a steel without rate law and that many times as strong."""
     part = "column" if hasattr(scenario, "column") else "frame"
     scenario = _of_steel(scenario, rate=None)
-    return replace(scenario, **{part: getattr(scenario, part).stronger(factor)})
+    changed = {part: getattr(scenario, part).stronger(factor)}
+    return scenario.changed(**changed)
 
 
 def with_rate(scenario: Any, law: CowperSymonds | None) -> Any:
@@ -71,7 +73,8 @@ def _of_steel(scenario: Any, **changes: Any) -> Any:
     """The scenario with another steel."""
     name = "column" if hasattr(scenario, "column") else "frame"
     part = getattr(scenario, name)
-    return replace(scenario, **{name: replace(part, steel=replace(part.steel, **changes))})
+    steel = part.steel.changed(**changes)
+    return scenario.changed(**{name: part.changed(steel=steel)})
 
 
 def steel_of(scenario: Any) -> Steel | None:
@@ -102,16 +105,16 @@ def rate_factor(scenario: ColumnImpact, shear_yields: bool = False) -> float:
     shape, demand = overstress_shape(section, q), mechanism_demand(column)
     weighted = whole = 0.0
     for bar, (length, clamped) in column.bars.items():
-        if shear_yields and demand[bar] > 1.0:
-            force = properties.shear_resistance
-            over = panel_overstress(velocity / length, law)
-            over *= 2.0 * q / (2.0 * q + 1.0)  # its mean over the way, as v grows with (1 - s)^1/2
-        else:
-            force = (2.0 if clamped else 1.0) * properties.plastic_moment / length
-            inflection = 0.5 * length if clamped else length
-            over = hinge_overstress(velocity / length, inflection, height, shape, law)
-            over *= (2.0 * q + 2.0) / (2.0 * q + 3.0)
-        weighted, whole = weighted + force * over, whole + force
+        slides: Any = np.logical_and(shear_yields, demand[bar] > 1.0)
+        webs = panel_overstress(velocity / length, law)
+        webs *= 2.0 * q / (2.0 * q + 1.0)  # its mean over the way, as v grows with (1 - s)^1/2
+        inflection = 0.5 * length if clamped else length
+        over = hinge_overstress(velocity / length, inflection, height, shape, law)
+        over *= (2.0 * q + 2.0) / (2.0 * q + 3.0)
+        bent = (2.0 if clamped else 1.0) * properties.plastic_moment / length
+        force: Any = np.where(slides, properties.shear_resistance, bent)[()]
+        weighted = weighted + force * np.where(slides, webs, over)[()]
+        whole = whole + force
     return 1.0 + weighted / whole
 
 

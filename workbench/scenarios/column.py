@@ -175,7 +175,7 @@ class Striker(Declared, table="striker"):
     @property
     def rebounds(self) -> bool:
         """Whether it may be thrown off and come back."""
-        return self.restitution > 0.0 or self.crushes
+        return (self.restitution > 0.0) | self.crushes
 
     @property
     def alone(self) -> Striker:

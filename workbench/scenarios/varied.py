@@ -95,6 +95,11 @@ def take(part: Any, rows: Any) -> Any:
     return part.unchecked(**values) if values else part
 
 
+def spread(value: Any, count: int) -> Array:
+    """A number, or one per row, as an array of `count`."""
+    return np.ascontiguousarray(np.broadcast_to(np.asarray(value, float), count))
+
+
 def _of_values(varied: Varied) -> Iterator[tuple[Indices, ColumnImpact | None]]:
     """The stacks of a varied scenario: what is no number of a column tells them apart."""
     rows = np.arange(len(varied))

@@ -9,15 +9,36 @@ keeps their energy at any step.
 
 import numpy as np
 
-from workbench.compiled import njit
+from workbench.compiled import njit, register_jitable
 from workbench.frames.collapse import COLLAPSE_CONTRACTION, COLLAPSE_SIDEWAYS
 from workbench.impact.contact import called, inner, moreau_step_of
-from workbench.impact.integrator import COMMON, Model, begin, march_of, no_flow
+from workbench.impact.integrator import (
+    COLLAPSE,
+    COMMON,
+    DONE,
+    PROGRESS,
+    Model,
+    begin,
+    march_of,
+    no_flow,
+)
+from workbench.impact.records import standstill
+from workbench.models.batch import COLLAPSES, UNKNOWN
 from workbench.models.four_dof import statics
 from workbench.models.four_dof.equations import TwoBars, newton, predict
-from workbench.models.four_dof.kinematics import U1, U2, V
+from workbench.models.four_dof.kinematics import CHORD, RIGID_IN_SHEAR, U1, U2, V
+from workbench.models.four_dof.statics import STATE, WORK
+from workbench.responses.histories import FORCE_WINDOW, open_share, unbalanced
+from workbench.responses.kernels import largest_window, mean_of_cycles
 from workbench.structures.kernels import copy
 
+# bar and place of the hinges from base to head
+HINGES = ((0, 1), (0, 2), (1, 2), (1, 1))
+SCALARS = (
+    *("peak_displacement", "time_of_peak", "residual_displacement", "peak_force", "impulse"),
+    *("largest_plastic_rotation", "largest_compression", "largest_tension", "largest_sliding"),
+)
+_unbalanced, _open_share = register_jitable(unbalanced), register_jitable(open_share)
 # residual over the squash load that one more Newton step removes: of controlled, of equal steps
 NEARLY, CLOSELY = 2e-5, 1e-6
 RECORD = np.dtype(
@@ -245,3 +266,76 @@ def explicit_impact(columns, states, room, drive, progress, records):
     """As `impact`, with Moreau's explicit steps."""
     pace = begin(drive, progress[0])
     return _explicit(start(columns, states, room, pace), pace, progress[0], records)
+
+
+@njit(cache=True, error_model="numpy")
+def turned(column, records):
+    """Plastic rotations (4, n) of the hinges, from base to head; of sliding bars against chords."""
+    turns = np.empty((4, records.size))
+    for n in range(records.size):
+        for k, (bar, place) in enumerate(HINGES):
+            flow = records[n].plastic[bar]
+            turns[k, n] = flow[place]
+            if column.sliding == CHORD:
+                share = flow[3] / column.lengths[bar]
+                turns[k, n] -= share if place == 1 else -share
+    return turns
+
+
+@njit(cache=True, error_model="numpy")
+def read(column, records, progress, given, bounces, numbers):
+    """Write the `numbers` of an impact, as SCALARS has them; returns how far its ledger is open.
+
+    Arguments: the energy `given` (J); whether the striker `bounces`.
+    """
+    time, v, percussion = records["time"], records["displacement"], records["percussion"]
+    numbers[0], numbers[1] = standstill(records, progress, bounces)
+    if not np.isnan(numbers[0]):
+        numbers[2] = mean_of_cycles(time, v)
+    numbers[3] = largest_window(time[1:], percussion[1:], FORCE_WINDOW) / FORCE_WINDOW
+    numbers[4], numbers[5] = percussion.sum(), np.abs(turned(column, records)).max()
+    numbers[6] = numbers[7] = 0.0
+    balance, start = np.empty(records.size), records[0]
+    for n in range(records.size):
+        row = records[n]
+        for bar in range(2):
+            numbers[6] = max(numbers[6], -row.stress[bar, 0])
+            numbers[7] = max(numbers[7], row.stress[bar, 0])
+            if column.sliding != RIGID_IN_SHEAR:
+                numbers[8] = max(numbers[8], abs(row.plastic[bar, 3])) if n > 0 or bar else 0.0
+        brought = given - column.load * (row.q[U2] - start.q[U2])
+        gained = row.elastic - start.elastic
+        balance[n] = _unbalanced(brought, row.kinetic, gained, row.dissipated, row.contact_loss)
+    return _open_share(balance, given, start.elastic)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def impacts(columns, q, drives, given, nearly, which, codes, numbers, errors):
+    """Follow impacts on the columns `which` of a table: writes their `codes`, numbers and `errors`.
+
+    Numbers (n, SCALARS); of one that collapses q and the time (s). Arguments: preloaded states `q`
+    (n, 4); `drives` (n, DRIVE); energies `given` (n,) in J; `nearly`, the residual that one more
+    Newton step removes; open shares of the ledgers, `errors`.
+    """
+    records = np.empty(1024, RECORD)
+    for i in which:
+        states, room, progress = np.zeros(2, STATE), np.zeros(1, WORK), np.zeros(1, PROGRESS)
+        copy(q[i], states[0].q)
+        room[0].finish_below = nearly
+        needed = 2 * int(np.ceil(drives[i, 0] / drives[i, 6])) + 4
+        if records.size < needed:
+            records = np.empty(needed, RECORD)
+        one = columns[i : i + 1]
+        status, n = impact(one, states, room, drives[i], progress, records[:needed])
+        if status == COLLAPSE:
+            codes[i], row = COLLAPSES, records[n - 1]
+            copy(row.q, numbers[i, :4])
+            numbers[i, 4] = row.time
+        elif status == DONE:
+            bounces = drives[i, 10] > 0.0
+            errors[i] = read(columns[i], records[:n], progress[0], given[i], bounces, numbers[i])
+            v = records["displacement"][:n]
+            if np.isnan(numbers[i, 0]) and np.argmax(v) < n - 1:
+                codes[i] = UNKNOWN
+        else:
+            codes[i] = UNKNOWN

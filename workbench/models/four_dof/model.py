@@ -1,26 +1,34 @@
 """The two models of two rigid bars: hinges that see N and M, and panels that see V as well."""
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
 
+from workbench.arrays import Flags
+from workbench.errors import CollapseError
 from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.members import shear_stiffness
 from workbench.hinges import ShearSurface, YieldSurface, has_shear_surface, has_webs
-from workbench.hinges.interaction import SHEAR_DEPTHS
+from workbench.hinges.interaction import SHEAR_DEPTHS, fitted_exponents
 from workbench.hinges.rate import bar_law, panel_law
-from workbench.materials import Steel
-from workbench.models.domain import panel_findings, shear_findings, stub_findings
+from workbench.models.batch import SURVIVES, UNKNOWN, Answers
+from workbench.models.domain import (
+    buckles,
+    panel_findings,
+    panel_refused,
+    shear_findings,
+    stub_findings,
+)
 from workbench.models.elastic_springs import Springs, beam_springs
-from workbench.models.four_dof import kinematics
-from workbench.models.four_dof.rigid_bars import RigidBars
-from workbench.models.hit_mass import HIT_MASS, WAVES
+from workbench.models.four_dof import kinematics, march
+from workbench.models.four_dof.equations import along_tangent
+from workbench.models.four_dof.rigid_bars import PACES, RigidBars, collapsed
+from workbench.models.hit_mass import HIT_MASS, WAVES, with_hit_mass
 from workbench.models.strain_rate import flows
 from workbench.responses import Finding, finding
-from workbench.scenarios import Column, ColumnScenario
-from workbench.sections import Section
+from workbench.scenarios import Column, ColumnImpact, ColumnScenario
+from workbench.scenarios.varied import spread
 
 _SHEARED = 0.15  # mean sliding over length from which a solid's flanges carry tension
 _KINEMATICS = {"chord": kinematics.CHORD, "section": kinematics.SECTION}
@@ -52,13 +60,28 @@ class FourDof(RigidBars):
     def surface(self, column: Column) -> YieldSurface:
         """The yield surface of all hinges of the column."""
         properties = column.properties
-        fitted = YieldSurface.fit(column.strength_section, column.steel, decimals=1)
         return YieldSurface(
-            properties.squash_load,
-            properties.plastic_moment,
-            fitted.alpha if self.alpha is None else self.alpha,
-            fitted.beta if self.beta is None else self.beta,
+            properties.squash_load, properties.plastic_moment, *self._exponents(column)
         )
+
+    def _exponents(self, column: Column) -> tuple[float, float]:
+        alpha, beta = fitted_exponents(column.strength_section, decimals=1)
+        return (
+            alpha if self.alpha is None else self.alpha,
+            beta if self.beta is None else self.beta,
+        )
+
+    def stackable(self, scenario: ColumnScenario) -> bool:
+        """Whether it answers such impacts in stacks."""
+        return _stackable(self, scenario)
+
+    def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> Answers:
+        """Answers to a stack of impacts, see `models.batch`; none of those that are `refused`."""
+        return _answer_stack(self, scenario, refused)
+
+    def refused(self, scenario: ColumnImpact) -> Any:
+        """Whether the domain refuses an impact; flags of a stack."""
+        return buckles(scenario)
 
     def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:
         section = scenario.column.section
@@ -71,12 +94,11 @@ class FourDof(RigidBars):
         return beam_springs(column, shear_stiffness(section, column.steel))
 
     def _strength(self, column: Column, bars: Any) -> None:
-        surface = self.surface(column)
-        bars["squash_loads"], bars["plastic_moments"] = surface.axial_bounds, surface.moment_bounds
-        bars["alpha"], bars["beta"] = surface.alpha, surface.beta
+        N, M = column.properties.squash_load, column.properties.plastic_moment
+        bars["squash_loads"], bars["plastic_moments"] = np.vstack((N, N)).T, np.vstack((M, M)).T
+        bars["alpha"], bars["beta"] = self._exponents(column)
         bars["small_rotations"] = self.small_rotations
         if flows(self, column.steel):
-            N, M = surface.squash_load, surface.plastic_moment
             bars["law"] = bar_law(column.strength_section, column.steel, N, M)
 
 
@@ -112,7 +134,25 @@ class FourDofShear(RigidBars):
 
     def surface(self, column: Column) -> ShearSurface:
         """The yield surface of both ends of all bars."""
-        return _surface_of(column.strength_section, column.steel, self.web_depth)
+        name = f"webs, {self.web_depth}"
+        if name not in column.kept:
+            section = column.strength_section
+            column.kept[name] = ShearSurface(section, column.steel, self.web_depth)
+        surface: ShearSurface = column.kept[name]
+        return surface
+
+    def stackable(self, scenario: ColumnScenario) -> bool:
+        """Whether it answers such impacts in stacks."""
+        return _stackable(self, scenario) and has_shear_surface(scenario.column.section)
+
+    def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> Answers:
+        """Answers to a stack of impacts, see `models.batch`; none of those that are `refused`."""
+        return _answer_stack(self, scenario, refused)
+
+    def refused(self, scenario: ColumnImpact) -> Any:
+        """Whether the domain refuses an impact; flags of a stack."""
+        column = scenario.column
+        return buckles(scenario) | panel_refused(self.surface(column), column.properties)
 
     def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:
         column = scenario.column
@@ -133,17 +173,45 @@ class FourDofShear(RigidBars):
         return [finding("sliding", sheared, least=_SHEARED)]
 
     def _springs(self, column: Column) -> Springs:
-        return beam_springs(column, float(self.surface(column).record["stiffness"]), sliding=True)
+        return beam_springs(column, self.surface(column).record["stiffness"], sliding=True)
 
     def _strength(self, column: Column, bars: Any) -> None:
-        bars["web"] = self.surface(column).record
-        bars["sliding"], web = _KINEMATICS[self.kinematics], bars["web"]
-        bars["squash_loads"] = web["flange_axial"] + web["web_axial"]
-        bars["plastic_moments"] = web["flange_moment"] + web["web_moment"]
+        surface = self.surface(column)
+        N, M = surface.squash_load, surface.plastic_moment
+        bars["web"], bars["sliding"] = surface.record, _KINEMATICS[self.kinematics]
+        bars["squash_loads"], bars["plastic_moments"] = np.vstack((N, N)).T, np.vstack((M, M)).T
         if flows(self, column.steel):
-            bars["law"] = panel_law(self.surface(column))
+            bars["law"] = panel_law(surface)
 
 
-@lru_cache(maxsize=64)
-def _surface_of(section: Section, steel: Steel, depth: str) -> ShearSurface:
-    return ShearSurface(section, steel, depth)
+def _stackable(model: FourDof | FourDofShear, scenario: ColumnScenario) -> bool:
+    if not isinstance(scenario, ColumnImpact) or scenario.striker.crushes:
+        return False
+    plain = model.integrator == "midpoint" and model.time_step is None
+    return plain and not flows(model, scenario.column.steel)
+
+
+def _answer_stack(model: FourDof | FourDofShear, scenario: ColumnImpact, refused: Flags) -> Answers:
+    """Answers to a stack: those whose ledger is open are followed again, as single ones are."""
+    struck = with_hit_mass(scenario, model.hit_mass)
+    column, striker = struck.column, struck.striker
+    count = len(refused)
+    table, q = model.table_of(column, count)
+    codes = np.where(refused, UNKNOWN, SURVIVES)
+    numbers, errors = np.full((count, len(march.SCALARS)), np.nan), np.zeros(count)
+    given, which = spread(struck.input_energy, count), np.flatnonzero(codes == SURVIVES)
+    nearly = march.NEARLY if along_tangent(table[0]) else 0.0
+    for refinement in range(PACES):
+        drive = *model.pace(struck, refinement), striker.mass, striker.velocity, striker.restitution
+        drives = np.stack([spread(each, count) for each in (*drive, 0.0)], axis=1)
+        march.impacts(table, q, drives, given, nearly, which, codes, numbers, errors)
+        which = which[(codes[which] == SURVIVES) & ~(errors[which] < model.BALANCE)]
+        if not len(which):
+            break
+    codes[which] = UNKNOWN
+    values = dict(zip(march.SCALARS, numbers.T, strict=True)) | {"input_energy": given}
+
+    def collapse(i: int) -> CollapseError:
+        return collapsed(table[i], {"q": numbers[i, :4], "time": numbers[i, 4]})
+
+    return Answers.of(codes, values, collapse)

@@ -32,11 +32,12 @@ from workbench.models.strain_rate import FACTOR, RATE_LEVELS, check_bars, flows
 from workbench.responses import VARIABLES, Finding, Response, build_response, open_share
 from workbench.responses.histories import balance_error
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario
+from workbench.scenarios.varied import spread
 
-HINGES = {"base": (0, 1), "hit-below": (0, 2), "hit-above": (1, 2), "head": (1, 1)}  # bar, hinge
-_BARS, _PLACES = np.array(list(HINGES.values())).T
-_WITH_CHORD = np.array([[1.0], [-1.0], [-1.0], [1.0]])  # how a hinge turns as the web slides
+HINGES = ("base", "hit-below", "hit-above", "head")
+_BARS, _PLACES = np.array(march.HINGES).T
 SEGMENTS = ("below", "above")
+_NAMES: dict[str, Any] = {"hinges": HINGES, "segments": SEGMENTS}
 _ENTRIES = {
     "midpoint": march.impact,
     "moreau": march.explicit_impact,
@@ -44,6 +45,7 @@ _ENTRIES = {
 }
 _PUSH_STEP = 1.25e-4  # of the length, changes the static force by less than 0.02 %
 _SHORTEST_STEP = 1e-8  # s
+PACES = 5  # of which the next is taken where the ledger is open
 _MOST_STEPS = 1_000_000  # of a record; all of it and what is made of it take some 1 GB
 _FIRST = 0.005  # step after an impact over the inverse of the axial frequency
 _FEWEST, _RECORDS = 50, 2000  # steps; parts of the duration that are recorded by themselves
@@ -86,7 +88,7 @@ class RigidBars(Answering):
         (1e-4, 4e-3, 0.85),
         (2e-5, 2e-4, 0.3),
     )
-    _BALANCE: ClassVar[float] = 1e-6  # of the input energy, in which the ledger closes
+    BALANCE: ClassVar[float] = 1e-6  # of the input energy, in which the ledger closes
 
     def check(self) -> None:
         """Refuse options that viscoplastic bars do not know."""
@@ -144,33 +146,37 @@ class RigidBars(Answering):
     def _bars_of(self, column: Column) -> tuple[Any, Array]:
         """As `bars`, the column in a table of one row: kernels are called faster with tables."""
         kept, q = _kept(self, column)
-        return np.frombuffer(bytearray(kept), self._tables(column).column), q.copy()
+        return np.frombuffer(bytearray(kept), self._tables(column).column), q[0].copy()
 
-    def _bars(self, column: Column) -> tuple[Any, Array]:
+    def table_of(self, column: Column, count: int = 1) -> tuple[Any, Array]:
+        """As `bars`, of a stack of `count` columns: tables of them and their states (count, 4)."""
         properties = column.properties
-        lengths = np.array([column.length_below, column.length_above])
-        axial = column.steel.elastic_modulus * properties.area / lengths
-        bars = np.zeros(1, self._tables(column).column)[0]
-        bars["lengths"] = lengths
+        bars = np.zeros(count, self._tables(column).column)
+        lengths, stiffness = bars["lengths"], bars["stiffness"]
+        lengths[:, 0], lengths[:, 1] = column.length_below, column.length_above
+        axial = spread(column.steel.elastic_modulus * properties.area, count)[:, None] / lengths
         factor = self.rotational_stiffness
         springs = self._springs(column) if factor is None else thesis_springs(column, factor)
-        base, below, above, head = (1.0 / each for each in springs)
-        bars["stiffness"] = (axial[0], base, below), (axial[1], head, above)
-        bars["pinned"] = bars["stiffness"][:, 1:] == 0.0
-        bars["flexibility"][:, [0, 1, 3]] = np.divide(
-            1.0, bars["stiffness"], out=np.zeros((2, 3)), where=bars["stiffness"] > 0.0
+        base, below, above, head = (1.0 / spread(each, count) for each in springs)
+        stiffness[:, 0] = np.stack([axial[:, 0], base, below], axis=1)
+        stiffness[:, 1] = np.stack([axial[:, 1], head, above], axis=1)
+        bars["pinned"] = stiffness[:, :, 1:] == 0.0
+        bars["flexibility"][:, :, [0, 1, 3]] = np.divide(
+            1.0, stiffness, out=np.zeros(stiffness.shape), where=stiffness > 0.0
         )
         self._strength(column, bars)
         bars["free_head"] = column.head != "fixed"
-        bars["spring"] = column.restraint_stiffness if bars["free_head"] else 0.0
-        bars["load"] = force = column.axial_load
-        bars["mass"] = properties.impact_mass, properties.impact_mass, 0.0, column.head_mass
-        flexibility = float(np.sum(1.0 / axial))
+        bars["spring"] = bars["free_head"] * column.restraint_stiffness
+        bars["load"] = column.axial_load
+        bars["mass"][:, 0] = bars["mass"][:, 1] = properties.impact_mass
+        bars["mass"][:, 3] = column.head_mass
+        force, flexibility = bars["load"], np.sum(1.0 / axial, axis=1)
         if self.spring_shares_load:
             force = force / (1.0 + bars["spring"] * flexibility)
         else:
             bars["unstressed"] = -force * flexibility
-        return bars, np.array([0.0, -force / axial[0], 0.0, -force * flexibility])
+        zero = np.zeros(count)
+        return bars, np.stack([zero, -force / axial[:, 0], zero, -force * flexibility], axis=1)
 
     def _highest_frequency(self, column: Column) -> float:
         """Bound of the highest (axial) circular frequency, in rad/s."""
@@ -190,7 +196,7 @@ class RigidBars(Answering):
             step = share / self._highest_frequency(column)
         return None if step is None else min(step, scenario.duration / 20)
 
-    def _pace(self, scenario: ColumnImpact, refinement: int) -> Pace:
+    def pace(self, scenario: ColumnImpact, refinement: int) -> Pace:
         """Pace of the impact; each `refinement` quarters tolerances, first and longest step."""
         duration, step = scenario.duration, self._fixed_step(scenario)
         if step is not None:
@@ -199,12 +205,12 @@ class RigidBars(Answering):
         column = scenario.column
         axial = column.steel.elastic_modulus * column.properties.area
         square = axial * (1.0 / column.length_below + 1.0 / column.length_above)
-        first = _FIRST * float(np.sqrt(column.properties.impact_mass / square))
-        share = 0.25**refinement
-        control = self._CONTROL[scenario.striker.rebounds]
-        error, vibration, flow = (share * each for each in control)
+        first = _FIRST * np.sqrt(column.properties.impact_mass / square)
+        share, control = 0.25**refinement, np.array(self._CONTROL)
+        bounces = np.asarray(scenario.striker.rebounds, int)
+        error, vibration, flow = share * control[bounces].T
         longest = share * duration / _FEWEST
-        first = min(share * first, longest)
+        first = np.minimum(share * first, longest)
         spacing = duration / _RECORDS
         pace = Pace(duration, first, longest, error, vibration, flow, spacing, _MOST_STEPS)
         return followed(pace, scenario.striker, column.properties.impact_mass)
@@ -243,40 +249,31 @@ class RigidBars(Answering):
         external = np.concatenate([[0.0], np.cumsum(pieces)])
         values["external_work"] = external + _dead_work(column, records)
         values["input_energy"] = external[-1]
-        return build_response(
-            values,
-            steps=len(force),
-            hinges=tuple(HINGES),
-            segments=SEGMENTS,
-            warnings=self._reached(column, values),
-        )
+        warnings = self._reached(column, values)
+        return build_response(values, steps=len(force), warnings=warnings, **_NAMES)
 
     def _impact(self, scenario: ColumnImpact) -> Response:
         started = perf_counter()
         scenario = with_hit_mass(scenario, self.hit_mass)
         error = np.inf
-        for refinement in range(5):
-            bars, run = self._march(scenario, self._pace(scenario, refinement))
+        for refinement in range(PACES):
+            bars, run = self._march(scenario, self.pace(scenario, refinement))
             records = run.histories
             values: dict[str, Any] = {n: h for n, h in records.items() if n in VARIABLES}
             values["external_work"] = _dead_work(scenario.column, records)
             values["input_energy"] = scenario.input_energy
             balance = values["balance_error"] = np.asarray(balance_error(values, static=False))
             error = open_share(balance, scenario.input_energy, float(records["elastic"][0]))
-            if self._fixed_step(scenario) is not None or error < self._BALANCE:
+            if self._fixed_step(scenario) is not None or error < self.BALANCE:
                 break
         else:
             raise SolverError("the energy balance", error, "tolerances and steps down to a 256th")
         solved = perf_counter() - started
-        turned = records["plastic"][_BARS, _PLACES]
-        if bars["sliding"] == kinematics.CHORD:
-            turned -= _WITH_CHORD * (records["plastic"][:, 3] / bars["lengths"][:, None])[_BARS]
         values |= _histories(scenario.column, bars, records)
-        values |= {"plastic_rotation": turned, **run.peak(scenario.striker.rebounds)}
+        values["plastic_rotation"] = march.turned(bars, run.records)
+        values |= run.peak(scenario.striker.rebounds)
         warnings = self._reached(scenario.column, values)
-        response = build_response(
-            values, time=records["time"], hinges=tuple(HINGES), segments=SEGMENTS, warnings=warnings
-        )
+        response = build_response(values, time=records["time"], warnings=warnings, **_NAMES)
         response.attrs["solve_time"] = solved
         return response
 
@@ -293,18 +290,18 @@ class RigidBars(Answering):
         entry, given = _ENTRIES[self.integrator], (table, states, room)
         run = follow(entry, given, pace, drive, march.RECORD, striker)
         if run.collapsed:
-            raise _collapsed(table[0], run.records[-1])
+            raise collapsed(table[0], run.records[-1])
         return table[0], run
 
 
 @lru_cache(maxsize=256)
 def _kept(model: RigidBars, column: Column) -> tuple[bytes, Array]:
     """The bars of a column, for the next strike: records of many fields are slow to copy."""
-    bars, q = model._bars(column)
+    bars, q = model.table_of(column)
     return bars.tobytes(), q
 
 
-def _collapsed(bars: Any, state: Any) -> CollapseError:
+def collapsed(bars: Any, state: Any) -> CollapseError:
     """How the column has collapsed in the last record of a run, the `state`."""
     lengths, reached, time = bars["lengths"], float(state["q"][V]), float(state["time"])
     left = np.array(march.chords(lengths, state["q"]))

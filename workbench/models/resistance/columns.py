@@ -32,6 +32,7 @@ from workbench.models.resistance.given import GIVEN, NOTHING, PANEL, given_curve
 from workbench.models.resistance.shapes import RESISTANCES, Rows, resistance_curve
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnPushover, ColumnScenario, MemberPulse
+from workbench.scenarios.varied import spread
 
 
 def transition_length(surface: ShearSurface) -> float:
@@ -249,8 +250,3 @@ def rows_of(
     whole: Any = (*by_row, *long, RESISTANCES.index(shape))
     rows = Rows(*whole)
     return rows, np.broadcast_to(mechanism.carries <= column.axial_load, count)
-
-
-def spread(value: Any, count: int) -> Array:
-    """A number, or one per row, as an array of `count`."""
-    return np.ascontiguousarray(np.broadcast_to(np.asarray(value, float), count))

@@ -8,6 +8,7 @@ import hashlib
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from workbench.datafiles import open_input
 from workbench.errors import InputError
 from workbench.fields import Choice, Number, checked
 from workbench.models.base import Answering
+from workbench.models.domain import buckles
 from workbench.models.hit_mass import HIT_MASS, THESIS
 from workbench.models.resistance.curve import (
     INTERACTIONS,
@@ -102,8 +104,11 @@ class OnCurve(Answering):
         """Whether curves of a stack of such impacts are made in compiled code."""
         if not isinstance(scenario, ColumnImpact) or self.resistance not in RESISTANCES:
             return False
-        plain = scenario.column.steel.rate is None and self.hit_mass == THESIS
-        return plain and not scenario.striker.crushes
+        return not scenario.striker.crushes
+
+    def refused(self, scenario: ColumnImpact) -> Any:
+        """Whether the domain refuses an impact; flags of a stack."""
+        return buckles(scenario)
 
     def given(self, scenario: ColumnScenario | None = None) -> tuple[str, float]:
         """Digest of the points that are given and the factor on their strength; or `NOTHING`.

@@ -14,16 +14,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from workbench.arrays import Array
-from workbench.errors import OutOfDomainError
+from workbench.arrays import Array, Flags
+from workbench.errors import CollapseError, OutOfDomainError
 from workbench.fields import Choice, Number, checked
 from workbench.impact.pace import Pace
 from workbench.impact.records import Run, follow, followed
-from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN, Answers
-from workbench.models.domain import buckles, step_finding
+from workbench.models.batch import LOST, SURVIVES, UNKNOWN, Answers
+from workbench.models.domain import step_finding
 from workbench.models.hit_mass import with_hit_mass
 from workbench.models.resistance import PANEL, OnCurve, ResistanceCurve, column_curve, columns
-from workbench.models.resistance.columns import rows_of, spread
+from workbench.models.resistance.columns import rows_of
 from workbench.models.resistance.given import NOTHING
 from workbench.models.single_dof import march
 from workbench.models.single_dof.pulse import Pushed, moved_masses, pulse_response
@@ -36,7 +36,7 @@ from workbench.responses import (
 )
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
-from workbench.scenarios.varied import take
+from workbench.scenarios.varied import spread, take
 
 _ENTRIES = {"midpoint": march.impact, "moreau": march.explicit_impact}
 _FINE_STEPS = 1000  # of Moreau's scheme in the period of the impact mass on the steepest stiffness
@@ -151,8 +151,9 @@ class SingleDof(OnCurve):
         plain = self.integrator == "midpoint" and not self.time_step and not self.radiation_damping
         return plain and self.curve_stacks(scenario)
 
-    def answer_stack(self, scenario: ColumnImpact, count: int) -> Answers:
-        """Answers to a stack of `count` impacts, see `models.batch`."""
+    def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> Answers:
+        """Answers to a stack of impacts, see `models.batch`; none of those that are `refused`."""
+        count = len(refused)
         scenario = self.with_mass(scenario)
         column, striker = scenario.column, scenario.striker
         options = self.resistance, self.rotational_stiffness, self.interaction
@@ -160,20 +161,17 @@ class SingleDof(OnCurve):
         hits = (striker.mass, striker.velocity, striker.restitution, scenario.duration)
         numbers = (*hits, column.properties.impact_mass)
         strikes = np.stack([spread(each, count) for each in numbers], axis=1)
-        codes = np.where(exhausted | buckles(scenario), UNKNOWN, SURVIVES)
+        codes = np.where(exhausted | refused, UNKNOWN, SURVIVES)
         results = np.full((count, len(march.SCALARS)), np.nan)
         march.impacts(rows, strikes, codes, results)
-        found = dict(zip(march.SCALARS, results.T, strict=True))
-        fallen = np.flatnonzero(codes >= COLLAPSES)
-        ends = {int(i): results[i, :2].copy() for i in fallen}
-        results[codes != SURVIVES] = np.nan
-        energy = np.where(codes == SURVIVES, scenario.input_energy, np.nan)
+        values = dict(zip(march.SCALARS, results.T, strict=True))
+        values["input_energy"] = spread(scenario.input_energy, count)
 
-        def collapse(i: int) -> Any:
-            v, time = map(float, ends[i])
+        def collapse(i: int) -> CollapseError:
+            v, time = map(float, results[i, :2])
             return columns.fallen(take(column, i), bool(codes[i] == LOST), v, time)
 
-        return Answers(codes, {**found, "input_energy": energy}, collapse)
+        return Answers.of(codes, values, collapse)
 
     def _solve(self, scenario: ColumnScenario) -> Response:
         if isinstance(scenario, ColumnPushover):
