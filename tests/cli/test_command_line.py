@@ -50,6 +50,7 @@ def test_help_imports_nothing_heavy() -> None:
         "verify",
         "sweep",
         "sample",
+        "gather",
         "sensitivity",
         "run",
         "status",

@@ -43,35 +43,44 @@ def test_rows_are_the_answers_of_single_calls(uncertain_file, tmp_path, capsys):
     assert row["peak_displacement"] == pytest.approx(peak, rel=1e-12)
 
 
-def test_a_killed_run_goes_on_where_it_was(uncertain_file, tmp_path):
+SMALL_CHUNKS = """
+import sys
+from workbench.cli import run
+from workbench.uncertainty import chunks
+chunks.STACKED = chunks.ALONE = 100
+sys.exit(run(sys.argv[1:]))
+"""
+
+
+def test_a_killed_run_goes_on_where_it_was(uncertain_file, tmp_path, monkeypatch):
     whole, out = tmp_path / "whole.csv", tmp_path / "answers.csv"
-    asked = ["sample", uncertain_file, "--model", "four-dof", "--samples", "2000", "--jobs", "1"]
-    code = "import sys; from workbench.cli import run; sys.exit(run(sys.argv[1:]))"
-    command = [sys.executable, "-c", code, *asked, "--out", str(out)]
+    asked = ["sample", uncertain_file, *SDOF, "--samples", "6000"]
+    command = [sys.executable, "-c", SMALL_CHUNKS, *asked, "--out", str(out)]
     killed = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     begin = time.monotonic()
-    while len(list(tmp_path.glob(".answers.csv.parts-*/*.nc"))) < 2:
+    while not list(tmp_path.glob(".answers.csv.chunks/*.nc")):
         assert killed.poll() is None
         assert time.monotonic() < begin + 120.0
-        time.sleep(0.01)
+        time.sleep(0.002)
     killed.kill()
     killed.wait()
     assert not out.exists()
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert "parts of an interrupted run are taken over" in done.stderr
+    assert "of 60 chunks are there already" in done.stderr
+    monkeypatch.setattr("workbench.uncertainty.chunks.STACKED", 100)
     assert run([*asked, "--out", str(whole)]) == 0
     assert out.read_bytes() == whole.read_bytes()
-    assert not list(tmp_path.glob(".*parts*"))
+    assert not list(tmp_path.glob(".*chunks*"))
 
 
-def test_parts_of_another_question_are_not_taken(uncertain_file, tmp_path, capsys):
-    stale = tmp_path / ".answers.csv.parts-0123456789abcdef"
+def test_chunks_of_another_question_are_not_taken(uncertain_file, tmp_path, capsys):
+    stale = tmp_path / ".answers.csv.chunks"
     stale.mkdir()
-    (stale / "0-12.nc").write_text("of another model")
+    (stale / "0123456789abcdef-0-12-0123456789abcdef.nc").write_text("of another model")
     out = str(tmp_path / "answers.csv")
     assert run(["sample", uncertain_file, *SDOF, "--samples", "12", "--out", out]) == 0
-    assert "taken over" not in capsys.readouterr().err
+    assert "there already" not in capsys.readouterr().err
     assert not stale.exists()
 
 

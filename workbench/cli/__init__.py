@@ -111,6 +111,7 @@ def _application() -> Callable[..., Any]:
     app.command("verify")(fragility.verify)
     app.command("sweep")(vary.sweep)
     app.command("sample")(sample.sample)
+    app.command("gather")(sample.gather)
     app.command("sensitivity")(sample.sensitivity)
     for function in (studies.run, studies.status, studies.report, studies.validate):
         app.command(function.__name__)(function)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
-from hashlib import sha256
 from pathlib import Path
 from shutil import rmtree
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from workbench.cli.output import (
     ENDINGS,
@@ -30,10 +30,13 @@ from workbench.errors import InputError
 if TYPE_CHECKING:
     import pandas as pd
 
+    from workbench.uncertainty.chunks import Chunk
     from workbench.uncertainty.inputs import UncertainScenario
     from workbench.uncertainty.sensitivity import Index
 
 MOST, MOST_ROWS = 10_000_000, 100_000  # samples; rows of a sensitivity: 0.7 GB
+_CHUNKS = ".chunks"  # ending of a folder of chunks
+_TABLE = "ANSWERS.csv|nc|parquet|xlsx"
 _SHARES = (0.05, 0.5, 0.95)
 
 
@@ -41,11 +44,13 @@ _SHARES = (0.05, 0.5, 0.95)
 def sample(
     scenario: ScenarioFile,
     model: str = option("Name of a model, see `workbench models`.", ..., "NAME"),
-    out: str = option("Write the table.", ..., "ANSWERS.csv|nc|parquet|xlsx"),
+    out: str = option("Write the table, or keep a folder of chunks.", ..., f"{_TABLE}|chunks"),
     samples: int = option("Samples of the inputs.", 1024),
     seed: int = option("Seed of the Sobol sequence.", 1),
     first: int = option("First sample of the sequence.", 0),
+    part: str | None = option("Answer part i of n, to gather.", None, "i/n", "--slice"),
     jobs: Jobs = None,
+    scheduler: str | None = option("Run on this Dask cluster.", None, "ADDRESS"),
     settings: Settings = None,
     options: Options = None,
 ) -> Answer:
@@ -53,44 +58,94 @@ def sample(
 
     One model, one table, a row a sample. Samples are points of a scrambled Sobol sequence: those
     from --first on are the same whatever the number of samples or processes. An interrupted run
-    goes on where it was, if asked the same. Exit status 0 if all survive or collapse, 1 if one has
-    no answer (the table says why), 2 for bad input.
+    goes on where it was, if asked the same. With --slice, or where --out ends in .chunks, the
+    answers stay a folder of chunks, which `workbench gather` joins to the same table. Exit status 0
+    if all survive or collapse, 1 if one has no answer (the table says why), 2 for bad input.
     """
-    from workbench.content.formatting import title_of
     from workbench.fields import Number
-    from workbench.models.batch import FAILURE, OUTCOME
     from workbench.registry import make_model
-    from workbench.scenarios import to_toml
-    from workbench.uncertainty.sample_runs import sample_answers
+    from workbench.study.store import own_directory
+    from workbench.uncertainty.chunks import Question, Span, answer_chunks
 
-    target = writable("--out", out, *ENDINGS, inputs=[scenario])
+    kept = Path(out).suffix == _CHUNKS
+    if part is not None and not kept:
+        text = f"must end in {_CHUNKS} with --slice"
+        raise InputError("--out", out, text, "workbench gather makes the table")
+    target = Path(out) if kept else writable("--out", out, *ENDINGS, inputs=[scenario])
     Number(1, MOST, integer=True).check("--samples", samples)
     Number(0, MOST, integer=True).check("--first", first)
-    uncertain = _uncertain(scenario, settings, seed)
-    count = processes(jobs)
-    chosen = make_model(model, pairs_of("--option", options))
-    with at_work(f"{model}, {samples} samples, at work"):
-        scores = uncertain.normal_scores(samples, (seed,), first)
-        asked = to_toml(uncertain.base), Path(scenario).read_text(encoding="utf-8"), settings
-        folder = _kept(target, asked, repr(chosen), chosen.version, seed, first)
-        table = sample_answers(chosen, uncertain, scores, count, folder)
-    write_answers(target, table, table.rename_axis("sample").to_xarray())
-    rmtree(folder)
+    number, count = (1, 1) if part is None else _slice(part)
+    uncertain, workers = _uncertain(scenario, settings, seed), processes(jobs)
+    question = Question(uncertain.text, make_model(model, pairs_of("--option", options)), seed)
+    whole = Span(first, first + samples)
+    spans = question.spans(whole)
+    mine = spans[len(spans) * (number - 1) // count : len(spans) * number // count]
+    if not mine:
+        raise InputError("--slice", part, f"must divide the {len(spans)} chunks of these samples")
+    name = target.name if kept else f".{target.name}{_CHUNKS}"
+    folder = own_directory(target.parent, name)
+    with at_work(f"{model}, samples {mine[0].first} to {mine[-1].last - 1}, at work"):
+        chunks = answer_chunks(question, folder, mine, whole, workers, scheduler)
+    answer = _tabled(chunks, target)
+    if not kept:
+        rmtree(folder)
+    return answer
+
+
+@verb
+def gather(
+    parts: Annotated[list[str], typer.Argument(metavar="PARTS...", help="Folders and chunks.")],
+    out: str = option("Write the table.", ..., _TABLE),
+) -> Answer:
+    """Join chunks of `workbench sample --slice` to one table.
+
+    The table is the same as that of one run. Exit status 0 if all survive or collapse, 1 if one has
+    no answer, 2 for bad input: gaps, overlaps, damaged chunks and those of other inputs.
+    """
+    from workbench.uncertainty.chunks import gathered
+
+    target = writable("--out", out, *ENDINGS, inputs=parts)
+    return _tabled(gathered([Path(each) for each in parts]), target)
+
+
+def _slice(text: str) -> tuple[int, int]:
+    """Number and count of a text like 3/8."""
+    number, _, count = text.partition("/")
+    if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
+        raise InputError("--slice", text, "must look like 3/8: which part, of how many")
+    return int(number), int(count)
+
+
+def _tabled(chunks: list[Chunk], target: Path) -> Answer:
+    """The table of chunks: written, unless they stay a folder, and summed up."""
+    from workbench.content.formatting import title_of
+    from workbench.models.batch import FAILURE, OUTCOME
+    from workbench.uncertainty.chunks import joined
+    from workbench.uncertainty.inputs import uncertain_from_text
+
+    table = joined(chunk.table() for chunk in chunks)
+    uncertain = uncertain_from_text(chunks[0].labels["scenario"])
+    model, name = chunks[0].labels["model"], uncertain.base.name
+    kept = target.suffix == _CHUNKS
+    if not kept:
+        write_answers(target, table, table.rename_axis("sample").to_xarray())
     outcomes = {str(name): int(n) for name, n in table[OUTCOME].value_counts().items()}
-    numbers = [name for name in table.columns if name not in (*uncertain.names, OUTCOME, FAILURE)]
+    numbers = [each for each in table.columns if each not in (*uncertain.names, OUTCOME, FAILURE)]
     rows = [
-        {"quantity": name, "answers": int(table[name].notna().sum()), **_quantiles(table[name])}
-        for name in numbers
+        {"quantity": each, "answers": int(table[each].notna().sum()), **_quantiles(table[each])}
+        for each in numbers
     ]
-    content = {"scenario": uncertain.base.name, "model": model, "outcomes": outcomes}
-    texts = ", ".join(f"{n} {name}" for name, n in outcomes.items())
-    columns = {name: name for name in rows[0]} | {"quantity": lambda row: title_of(row["quantity"])}
+    content = {"scenario": name, "model": model, "outcomes": outcomes, "quantiles": rows}
+    texts = ", ".join(f"{n} {each}" for each, n in outcomes.items())
+    columns = {each: each for each in ("answers", *_quantiles(table[OUTCOME][:0]))}
+    titled = {"quantity": lambda row: title_of(row["quantity"]), **columns}
     blocks = (
-        Paragraph(f"{uncertain.base.name}, {samples} samples by {model}: {texts}."),
-        Table.of("quantiles", "Quantiles of what was answered, in SI.", columns, rows),
+        Paragraph(f"{name}, {len(table)} samples by {model}: {texts}."),
+        Table.of("quantiles", "Quantiles of what was answered, in SI.", titled, rows),
     )
-    whole = outcomes.get("ok", 0) + outcomes.get("collapse", 0) == samples
-    return Answer({**content, "quantiles": rows}, blocks, int(not whole), {"table": target})
+    answered = outcomes.get("ok", 0) + outcomes.get("collapse", 0) == len(table)
+    files = {"folder of chunks" if kept else "table": target}
+    return Answer(content, blocks, int(not answered), files)
 
 
 @verb
@@ -171,24 +226,6 @@ def _uncertain(scenario: str, settings: list[str] | None, seed: int) -> Uncertai
         advice = "write a distribution, such as velocity = { normal = [14.0, 2.0] }"
         raise InputError("scenario", uncertain.base.name, "has no uncertain input", advice)
     return uncertain
-
-
-def _kept(target: Path, *asked: object) -> Path:
-    """The folder beside the table that keeps its finished parts; of other questions it goes."""
-    from workbench import __version__
-    from workbench.study.store import canonical_json, own_directory
-
-    digest = sha256(canonical_json([__version__, *map(str, asked)])).hexdigest()[:16]
-    name = f".{target.name}.parts-{digest}"
-    for other in target.parent.glob(f".{target.name}.parts-*"):
-        if other.name != name:
-            rmtree(other)
-    folder = own_directory(target.parent, name)
-    finished = len(list(folder.glob("*.nc")))
-    if finished:
-        text = f"workbench: {finished} parts of an interrupted run are taken over"
-        print(text, file=sys.stderr, flush=True)
-    return folder
 
 
 def _quantiles(values: pd.Series) -> dict[str, float | None]:

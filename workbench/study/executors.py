@@ -9,10 +9,11 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import islice
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from typing import Any
@@ -30,6 +31,7 @@ THREAD_VARIABLES = (
 )
 READY, ANSWERED = "ready", "answered"  # words of a worker; from the second on it advises
 CONNECT_SECONDS = 10.0  # to a cluster
+WINDOW = 256  # tasks at a cluster at a time, at least
 
 
 @dataclass(frozen=True)
@@ -236,9 +238,22 @@ class DaskCluster:
     address: str
 
     def run(self, tasks: Sequence[Task]) -> Generator[Result, None, None]:
-        """Answer every task.
+        """Answer every task. Raises what `results` raises."""
+        for task, result, lost in self.results(perform_remotely, tasks):
+            if lost is None:
+                yield result
+            else:
+                message = f"the cluster lost this cell: {type(lost).__name__}: {lost}"
+                yield unanswered(task, Outcome.CRASHED, message, 0.0)
 
-        Raises `InputError` if `distributed` is not installed or the scheduler does not answer.
+    def results(
+        self, function: Callable[[Any], Any], tasks: Iterable[Any]
+    ) -> Generator[tuple[Any, Any, BaseException | None], None, None]:
+        """Tasks with what a function makes of them, or why it makes nothing, as they get ready.
+
+        A window of tasks is at the cluster at a time. The task of a worker that dies goes to others
+        (Dask says how often); what the function raises is not tried again. Raises `InputError` if
+        `distributed` is not installed or the scheduler does not answer.
         """
         distributed = _library()
         try:
@@ -247,20 +262,23 @@ class DaskCluster:
             text, advice = f"does not answer: {error}", "start it, or leave it out"
             raise InputError("--scheduler", self.address, text, advice) from error
         with client, client.as_current():
-            by_key = {task.key: task for task in tasks}
-            futures = [
-                client.submit(perform_remotely, task, key=f"workbench-{task.key}", pure=False)
-                for task in tasks
-            ]
-            for future in distributed.as_completed(futures):
-                task = by_key[future.key.removeprefix("workbench-")]
+            waiting, by_key = iter(tasks), {}
+
+            def submitted(count: int) -> list[Any]:
+                futures = []
+                for task in islice(waiting, count):
+                    futures.append(client.submit(function, task, pure=False))
+                    by_key[futures[-1].key] = task
+                return futures
+
+            window = max(WINDOW, 2 * sum(client.nthreads().values()))
+            ready = distributed.as_completed(submitted(window))
+            for future in ready:
                 lost = future.exception()
-                if lost is None:
-                    yield future.result()
-                else:
-                    message = f"the cluster lost this cell: {type(lost).__name__}: {lost}"
-                    yield unanswered(task, Outcome.CRASHED, message, 0.0)
+                result = future.result() if lost is None else None
                 future.release()
+                ready.update(submitted(1))
+                yield by_key.pop(future.key), result, lost
 
 
 def perform_remotely(task: Task) -> Result:

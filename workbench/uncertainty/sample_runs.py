@@ -1,19 +1,20 @@
 """Runs of models by sample: tables of answers, and those that a fragility curve rests on."""
 
 import json
-from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
+from functools import partial
 from math import exp, isfinite, log, nan
 from multiprocessing import get_context
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from workbench.arrays import Array
-from workbench.errors import InputError
+from workbench.errors import InputError, WorkbenchError
 from workbench.evidence.error_model import PEAK
 from workbench.models.base import Model, on_one_mesh
 from workbench.models.batch import FAILURE, OUTCOME, can_stack, simulate_many
@@ -21,7 +22,6 @@ from workbench.responses import SCALARS, Outcome, outcome_of
 from workbench.responses.uncertainty import WIDTHS
 from workbench.scenarios import Scenario
 from workbench.scenarios.varied import Varied
-from workbench.study.store import read_netcdf, to_netcdf_bytes, write_atomically
 from workbench.uncertainty.critical_velocity import (
     BEYOND,
     COARSE,
@@ -37,7 +37,7 @@ from workbench.uncertainty.critical_velocity import (
 from workbench.uncertainty.inputs import UncertainScenario
 
 MESH_LEVELS = 6  # of the runs on finer meshes
-CHUNK, STACK, PARTS = 256, 65_536, 16  # scenarios of a part; of one answered in stacks; parts
+CHUNK = 256  # scenarios that a process answers at a time
 
 
 class Target(NamedTuple):
@@ -127,81 +127,61 @@ def on_finer_mesh(
     return -log(peak / coarse) / ratio.slope, width / peak / ratio.slope
 
 
-Run = Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]]
+Run = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 
 
 class Processes:
-    """Run a function over tasks in processes of one thread each; in this one if `jobs` is 1."""
+    """Run a function over tasks in processes of one thread each; in this one if `jobs` is 1.
 
-    def __init__(self, jobs: int) -> None:
-        self.jobs = jobs
-        self.pool: ProcessPoolExecutor | None = None
+    Results come in the order of the tasks. With `threads`, in those of this process instead. Raises
+    `WorkbenchError` if a process is stopped from outside.
+    """
+
+    def __init__(self, jobs: int, threads: bool = False) -> None:
+        self.jobs, self.threads = jobs, threads
+        self.pool: Executor | None = None
 
     def __enter__(self) -> Run:
         if self.jobs == 1:
-            return lambda function, tasks: [function(task) for task in tasks]
-        context = get_context("spawn")
-        self.pool = ProcessPoolExecutor(self.jobs, context, initializer=_one_thread)
-        pool = self.pool
-        return lambda function, tasks: list(pool.map(function, tasks))
+            return map
+        if self.threads:
+            self.pool = ThreadPoolExecutor(self.jobs)
+        else:
+            context = get_context("spawn")
+            self.pool = ProcessPoolExecutor(self.jobs, context, initializer=_one_thread)
+        return self.pool.map
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: object, error: object, trace: object) -> None:
         if self.pool is not None:
             self.pool.shutdown(cancel_futures=True)
+        if isinstance(error, BrokenProcessPool):
+            text = "a process was stopped from outside; is there memory for this many --jobs?"
+            raise WorkbenchError(text) from error
 
 
 def _one_thread() -> None:
     threadpool_limits(1)
 
 
-@dataclass(frozen=True)
-class _Part:
-    """A model that answers parts with so many threads.
-
-    Tables are kept in a folder as soon as they are made, and taken from there.
-    """
-
-    model: Any
-    threads: int
-    folder: Path | None
-
-    def answer(self, task: tuple[int, Varied]) -> pd.DataFrame:
-        first, varied = task
-        if self.folder is None:
-            return simulate_many(self.model, varied, self.threads)
-        file = self.folder / f"{first}-{len(varied)}.nc"
-        if not file.is_file():
-            table = simulate_many(self.model, varied, self.threads)
-            write_atomically(file, to_netcdf_bytes(table.rename_axis("sample").to_xarray()))
-        return read_netcdf(file).to_dataframe()
-
-
-def answers_of(
-    model: Model, varied: Varied, like: Scenario, jobs: int = 1, folder: Path | None = None
-) -> pd.DataFrame:
+def answers_of(model: Model, varied: Varied, like: Scenario, jobs: int = 1) -> pd.DataFrame:
     """Answers of a model by row, see `simulate_many`, in so many threads or else processes.
 
-    `like`, one of the scenarios. A `folder` keeps what is finished: asked again, an interrupted run
-    goes on from there.
+    `like`, one of the scenarios.
     """
-    stacked = can_stack(model, like)
-    size = min(max(len(varied) // PARTS, CHUNK), STACK) if stacked else CHUNK
-    parts = [(k, varied[k : k + size]) for k in range(0, len(varied), size)]
-    with Processes(1 if stacked or len(parts) == 1 else jobs) as run:
-        tables = run(_Part(model, jobs if stacked else 1, folder).answer, parts)
-    whole: pd.DataFrame = pd.concat(tables, ignore_index=True)
+    if can_stack(model, like):
+        return simulate_many(model, varied, jobs)
+    parts = [varied[k : k + CHUNK] for k in range(0, len(varied), CHUNK)]
+    with Processes(1 if len(parts) == 1 else jobs) as run:
+        tables = run(partial(simulate_many, model, threads=1), parts)
+        whole: pd.DataFrame = pd.concat(tables, ignore_index=True)
     return whole[[*(name for name in SCALARS if name in whole), OUTCOME, FAILURE]]
 
 
 def sample_answers(
-    model: Any,
-    uncertain: UncertainScenario,
-    scores: Array,
-    jobs: int = 1,
-    folder: Path | None = None,
+    model: Any, uncertain: UncertainScenario, scores: Array, jobs: int = 1
 ) -> pd.DataFrame:
     """Answers of a model at independent normal scores (samples, inputs), with the inputs first."""
     varied = uncertain.varied(scores)
-    answers = answers_of(model, varied, uncertain.base, jobs, folder)
+    answers = answers_of(model, varied, uncertain.base, jobs)
     values = {".".join(map(str, path)): column for path, column in varied.by_key.items()}
     return pd.concat([pd.DataFrame(values).infer_objects(), answers], axis=1)

@@ -1,0 +1,75 @@
+"""Chunks on a Dask cluster of processes, where the library ``distributed`` is installed."""
+
+from __future__ import annotations
+
+import os
+import signal
+from pathlib import Path
+
+import pytest
+from builders import UNCERTAIN
+
+from workbench.cli import run
+from workbench.study.executors import DaskCluster
+
+distributed = pytest.importorskip("distributed")
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+        ) as cluster,
+    ):
+        patch.setattr("workbench.study.executors.WINDOW", 3)
+        yield cluster
+
+
+def die_once(mark: str) -> int:
+    """Kill this worker, unless one has died before."""
+    file = Path(mark)
+    if file.exists():
+        return os.getpid()
+    file.touch()
+    os.kill(os.getpid(), signal.SIGKILL)
+    raise AssertionError
+
+
+def fail(mark: str) -> None:
+    with Path(mark).open("a") as stream:
+        stream.write("asked\n")
+    raise ValueError("a fault of the task")
+
+
+def test_a_cluster_makes_the_same_table(cluster, tmp_path, monkeypatch):
+    monkeypatch.setattr("workbench.uncertainty.chunks.STACKED", 100)
+    path = tmp_path / "column.toml"
+    path.write_text(f"{UNCERTAIN}mass = 1500.0\nvelocity = {{ normal = [14.0, 2.5] }}\n")
+    asked = ["sample", str(path), "--model", "single-dof", "--samples", "1000"]
+    near, far = tmp_path / "near.csv", tmp_path / "far.csv"
+    status = run([*asked, "--jobs", "1", "--out", str(near)])
+    assert run([*asked, "--scheduler", cluster.scheduler_address, "--out", str(far)]) == status
+    assert far.read_bytes() == near.read_bytes()
+
+
+def test_lost_workers_are_replaced_and_faults_are_not_tried_again(cluster, tmp_path):
+    far = DaskCluster(cluster.scheduler_address)
+    (task, process, lost), *_ = far.results(die_once, [str(tmp_path / "died")])
+    assert task == str(tmp_path / "died")
+    assert lost is None
+    assert process != os.getpid()
+    (_, _, lost), *_ = far.results(fail, [str(tmp_path / "failed")])
+    assert isinstance(lost, ValueError)
+    assert (tmp_path / "failed").read_text() == "asked\n"
+
+
+def test_a_window_of_tasks_is_at_the_cluster_at_a_time(cluster):
+    taken = []
+    tasks = (taken.append(k) or k for k in range(50))
+    results = DaskCluster(cluster.scheduler_address).results(abs, tasks)
+    done = [next(results)[1]]
+    assert len(taken) <= 5  # twice the threads of the cluster, and one more
+    done += [result for _, result, _ in results]
+    assert sorted(done) == list(range(50))
