@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 from builders import UNCERTAIN
@@ -165,3 +172,59 @@ def test_what_an_answer_depends_on_is_in_its_key():
     assert len({question.key for question in others}) == len(others)
     with pytest.raises(WorkbenchError, match="install the same everywhere"):
         others[-1].table(Span(0, 1))
+
+
+IN_PROCESSES = """
+import sys
+from workbench.cli import run
+from workbench.uncertainty import chunks
+chunks.STACKED = chunks.ALONE = 100
+chunks.can_stack = lambda *_: False
+if __name__ == "__main__":
+    sys.exit(run(sys.argv[1:]))
+"""
+
+
+def children_of(process: subprocess.Popen[str]) -> list[int]:
+    text = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    return [int(word) for word in text.read_text().split()]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="needs to see child processes")
+@pytest.mark.parametrize("what", ["run", "process"])
+def test_killed_at_random_moments_nothing_finished_is_lost(tmp_path, what):
+    script, path = tmp_path / "sample.py", tmp_path / "column.toml"
+    script.write_text(IN_PROCESSES)
+    path.write_text(TEXT)
+    asked = ["sample", str(path), "--model", "energy-estimate", "--samples", "20000", "--jobs", "2"]
+
+    def started(out: Path) -> subprocess.Popen[str]:
+        return subprocess.Popen(
+            [sys.executable, str(script), *asked, "--out", str(out)],
+            **{"stderr": subprocess.PIPE, "stdout": subprocess.DEVNULL, "text": True},
+            start_new_session=True,
+        )
+
+    started(tmp_path / "whole.csv").communicate()
+    random, folder, finished = np.random.default_rng(1), tmp_path / ".answers.csv.chunks", set()
+    for _ in range(20):
+        process = started(tmp_path / "answers.csv")
+        while process.poll() is None and {file.name for file in folder.glob("*.nc")} <= finished:
+            time.sleep(0.01)
+        time.sleep(random.uniform(0.0, 0.1))
+        with suppress(ProcessLookupError, FileNotFoundError, IndexError):  # it is over
+            if what == "run":
+                os.killpg(process.pid, signal.SIGKILL)
+            else:
+                os.kill(children_of(process)[-1], signal.SIGKILL)
+        error = process.communicate()[1]
+        assert "Traceback" not in error
+        if (tmp_path / "answers.csv").exists():
+            break  # all chunks were there
+        assert process.returncode in (1, -signal.SIGKILL)
+        now = {file.name for file in folder.glob("*.nc")}
+        assert finished <= now
+        finished = now
+    started(tmp_path / "answers.csv").communicate()
+    assert (tmp_path / "answers.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()

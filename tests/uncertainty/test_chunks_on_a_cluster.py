@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import os
 import signal
+import threading
+import time
+from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 import pytest
 from builders import UNCERTAIN
 
@@ -43,15 +47,46 @@ def fail(mark: str) -> None:
     raise ValueError("a fault of the task")
 
 
-def test_a_cluster_makes_the_same_table(cluster, tmp_path, monkeypatch):
-    monkeypatch.setattr("workbench.uncertainty.chunks.STACKED", 100)
-    path = tmp_path / "column.toml"
+def tables_near_and_far(cluster, folder: Path, samples: int) -> list[bytes]:
+    """The table of one process and that of a cluster."""
+    path = folder / "column.toml"
     path.write_text(f"{UNCERTAIN}mass = 1500.0\nvelocity = {{ normal = [14.0, 2.5] }}\n")
-    asked = ["sample", str(path), "--model", "single-dof", "--samples", "1000"]
-    near, far = tmp_path / "near.csv", tmp_path / "far.csv"
+    asked = ["sample", str(path), "--model", "single-dof", "--samples", str(samples)]
+    near, far = folder / "near.csv", folder / "far.csv"
     status = run([*asked, "--jobs", "1", "--out", str(near)])
     assert run([*asked, "--scheduler", cluster.scheduler_address, "--out", str(far)]) == status
-    assert far.read_bytes() == near.read_bytes()
+    return [near.read_bytes(), far.read_bytes()]
+
+
+def test_a_cluster_makes_the_same_table(cluster, tmp_path, monkeypatch):
+    monkeypatch.setattr("workbench.uncertainty.chunks.STACKED", 100)
+    near, far = tables_near_and_far(cluster, tmp_path, 1000)
+    assert far == near
+
+
+@pytest.mark.slow
+def test_workers_killed_at_random_moments_change_nothing(cluster, tmp_path, monkeypatch):
+    monkeypatch.setattr("workbench.uncertainty.chunks.STACKED", 1000)
+    random, over, killed = np.random.default_rng(1), threading.Event(), []
+
+    def kill() -> None:
+        while not over.is_set():
+            time.sleep(random.uniform(2.0, 8.0))
+            chunks = list(tmp_path.glob(".far.csv.chunks/*.nc"))
+            with suppress(ProcessLookupError, TypeError):  # one that starts has no process yet
+                if chunks:
+                    os.kill(cluster.workers[len(killed) % 2].pid, signal.SIGKILL)
+                    killed.append(len(chunks))
+
+    thread = threading.Thread(target=kill)
+    thread.start()
+    try:
+        near, far = tables_near_and_far(cluster, tmp_path, 400_000)
+    finally:
+        over.set()
+        thread.join()
+    assert killed
+    assert far == near
 
 
 def test_lost_workers_are_replaced_and_faults_are_not_tried_again(cluster, tmp_path):
