@@ -95,6 +95,18 @@ def test_stacks_answer_as_single_calls_do(model: Model) -> None:
         np.testing.assert_allclose(table[name], alone[name], rtol=1e-9, atol=1e-12, err_msg=name)
 
 
+def test_columns_of_hardening_steel_are_stacked() -> None:
+    model = SingleDof()
+    hard = {"elastic_modulus": 205e9, "hardening_modulus": 2.1e9, "rate": "S355"}
+    moduli = {("steel", "elastic_modulus"): np.array([200e9, 210e9, 190e9])}
+    scenarios = Varied(BASE | {"steel": hard}, moduli)
+    assert can_stack(model, scenarios[0])
+    table, alone = simulate_many(model, scenarios), singles(model, scenarios)
+    assert table[[OUTCOME, FAILURE]].equals(alone[[OUTCOME, FAILURE]])
+    peaks = "peak_displacement"
+    np.testing.assert_allclose(table[peaks], alone[peaks], rtol=1e-9)
+
+
 def test_numbers_do_not_depend_on_threads_or_neighbours() -> None:
     scenarios = drawn(9000)
     one, many = (simulate_many(SingleDof(), scenarios, threads) for threads in (1, 5))

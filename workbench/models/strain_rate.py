@@ -38,7 +38,7 @@ def with_strain_rate(model: Any, scenario: Any) -> tuple[Any, float, list[Findin
     known = ("rate", "hardening") if bars else getattr(model, "material", ())
     findings, factor = [], 1.0
     if steel.hardening_modulus is not None and "hardening" not in known:
-        share = steel.hardening_modulus / steel.elastic_modulus
+        share = steel.hardening_modulus / float(np.min(steel.elastic_modulus))  # most of a stack
         findings.append(finding("hardening", share))
         scenario = _of_steel(scenario, hardening_modulus=None)
     if steel.rate is not None and "rate" not in known and not scenario.STATIC:
