@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from workbench.desk.sweeps import *  # noqa: F403
     from workbench.errors import *  # noqa: F403
     from workbench.materials import *  # noqa: F403
-    from workbench.models.batch import *  # noqa: F403
     from workbench.registry import *  # noqa: F403
     from workbench.scenarios import *  # noqa: F403
     from workbench.study import *  # noqa: F403
@@ -29,9 +28,8 @@ _PUBLIC = {  # room: names that it gives
         *("FrameImpact", "FrameStatic", "FramePulse", "FrameGroundMotion", "StudTests"),
     ),
     "registry": ("make_model", "model_names"),
-    "models.batch": ("simulate_many",),
     "study": ("Study", "Case", "Figure", "Gate", "Budget", "load_study", "run_study"),
-    "desk.sweeps": ("sweep",),
+    "desk.sweeps": ("simulate_many", "sweep"),
     "desk.answers": (
         *("Comparison", "compare", "fit_residual", "hit", "load", "simulate", "study_of"),
     ),

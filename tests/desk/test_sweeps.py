@@ -149,3 +149,14 @@ def test_sweeps_are_drawn(column_file, tmp_path, capsys):
     capsys.readouterr()
     assert run([*names, "--plot", str(picture)]) == 2
     assert "needs numbers first" in capsys.readouterr().err
+
+
+def test_many_hits_are_a_table(impact):
+    hits = [impact.at_velocity(v) for v in (5.0, 10.0)]
+    table = wb.simulate_many("single-dof", hits, threads=1)
+    alone = [float(wb.simulate(each, "single-dof").peak_displacement) for each in hits]
+    assert table.peak_displacement.tolist() == alone
+    assert len(wb.simulate_many("single-dof", [])) == 0
+    for wrong, words in ((("no-model", hits), "no-model"), (("single-dof", hits, 0), "threads")):
+        with pytest.raises(wb.InputError, match=words):
+            wb.simulate_many(*wrong)

@@ -1,4 +1,4 @@
-"""One scenario with some of its values varied, answered by models: a labelled dataset."""
+"""Many scenarios at once: a table of answers; one with values varied as a labelled dataset."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from workbench.arrays import Array
 from workbench.desk.answers import asked
 from workbench.errors import InputError
 from workbench.evidence.advice import choose
+from workbench.fields import Number
+from workbench.models import batch
 from workbench.models.base import Model
 from workbench.models.batch import FAILURE, OUTCOME
 from workbench.responses import SCALARS, Outcome
@@ -26,6 +28,41 @@ from workbench.scenarios.varied import Varied
 from workbench.uncertainty.sample_runs import answers_of
 
 MOST = 1_000_000
+
+
+def simulate_many(
+    model: Model | str, scenarios: Sequence[Scenario], threads: int | None = None
+) -> pd.DataFrame:
+    """Answer many scenarios with one model; struck columns that differ in numbers all at once.
+
+    Parameters
+    ----------
+    model : its name, or the model with its options; references answer on one mesh.
+    scenarios : any number of them, of any kinds that the model answers.
+    threads : at most (None: one for each core); the numbers do not depend on it.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row a scenario: scalars in SI units, NaN where there is none; `outcome`; `failure`, why it
+        is not ok, in the words of a single call.
+
+    Raises
+    ------
+    InputError
+        For an unknown model, and a number of threads below 1.
+
+    Examples
+    --------
+    >>> import workbench as wb
+    >>> column = wb.Column("HEB 220", 0.8, 3.2, axial_load="500 kN")
+    >>> hits = [wb.hit(column, mass=1500, velocity=v) for v in (5, 10, 80)]
+    >>> wb.simulate_many("single-dof", hits).outcome.tolist()
+    ['ok', 'ok', 'collapse']
+    """
+    if threads is not None:
+        Number(1, 4096, integer=True).check("threads", threads)
+    return batch.simulate_many(asked(model), scenarios, threads)
 
 
 def sweep(

@@ -55,19 +55,9 @@ def can_stack(model: Any, scenario: Scenario) -> bool:
 def simulate_many(
     model: Model, scenarios: Sequence[Scenario], threads: int | None = None
 ) -> pd.DataFrame:
-    """Answer many scenarios with one model: a table, a row a scenario, without histories.
+    """Answer many scenarios with one model: a table, see `workbench.desk.sweeps.simulate_many`.
 
-    Parameters
-    ----------
-    model : references answer on one mesh.
-    scenarios : a list, or `Varied`: a scenario with values varied by row, which is built if needed.
-    threads : of the machine, at most (None: all); the numbers do not depend on it.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Scalars in SI units, NaN where there is none; `outcome`; `failure`, why it is not ok, as a
-        single call says it (else "").
+    A `Varied` builds its scenarios only where a row is asked alone.
     """
     alone, count = on_one_mesh(model), len(scenarios)
     table: dict[str, Array] = {}
