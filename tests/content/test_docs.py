@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+import runpy
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
 
 from workbench.cli import run
+from workbench.report.drawing.style import house_style
+from workbench.report.gallery import to_svg
 
 DOCS = Path(__file__).parents[2] / "docs"
 CELL = re.compile(r"^```\{code-cell\}[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
@@ -49,3 +52,16 @@ def test_every_page_stands_in_the_site() -> None:
     listed = set(re.findall(r"^([\w/-]+)$", index, re.MULTILINE))
     globbed = {page for page in pages if page.partition("/")[0] in ("theory", "decisions")}
     assert pages - globbed - {"index"} == listed - {"toctree"}
+
+
+def test_pages_of_theory_show_the_figures_that_their_script_draws() -> None:
+    folder = DOCS / "theory" / "figures"
+    script = runpy.run_path(str(folder / "theory.py"))
+    for name in script["FIGURES"]:
+        page = (DOCS / "theory" / f"{name}.md").read_text(encoding="utf-8")
+        assert f"(figures/{name}.svg)" in page
+        assert (folder / f"{name}.svg").read_text(encoding="utf-8").startswith("<svg")
+        assert page.count("$$") >= 2 and page.count("$$") % 2 == 0
+    with house_style():  # the one that runs no model
+        drawn = to_svg(script["FIGURES"]["strain-rate"](), "strain-rate")
+    assert drawn == (folder / "strain-rate.svg").read_text(encoding="utf-8")
