@@ -34,7 +34,7 @@ MEMBERS = [
 ]  # studs have studies of their own
 ELSEWHERE = (
     *("sweep", "domain-map", "shear-domain", "meshes", "budget"),
-    *("place", "work-precision", "chooser"),
+    *("place", "work-precision", "chooser", "exceedance"),
 )
 
 

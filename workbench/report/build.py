@@ -16,6 +16,7 @@ from workbench.report.chapters import (
     budgets,
     choice,
     configuration,
+    exceedance,
     integrators,
     limits,
     results,
@@ -97,7 +98,8 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         if of not in apart and p.key != first
     )
     decisive = [p for _, p in drawn if p.key == first]
-    more = (*stud_study.in_short(study, stored), *integrators.in_short(study, stored))
+    chapters = (stud_study, integrators, exceedance)
+    more = [block for chapter in chapters for block in chapter.in_short(study, stored)]
     parts: list[Section | None] = [
         answer.answer(study, stored, decisive, more),
         choice.error_model(stored),

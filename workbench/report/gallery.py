@@ -14,11 +14,11 @@ from matplotlib.figure import Figure as Canvas
 
 from workbench.content.tree import Picture
 from workbench.errors import InputError
+from workbench.report.drawing.layout import frame_scenario_of
 from workbench.report.drawing.sheet import Drawing, Request
 from workbench.report.drawing.style import house_style, looks
 from workbench.report.figures import draw
 from workbench.report.stored import Stored
-from workbench.scenarios import ImpactProblem, StudTests
 from workbench.study.definition import Case, Figure, Study
 from workbench.study.store import write_atomically
 
@@ -129,7 +129,7 @@ def figures_of(study: Study) -> tuple[Figure, ...]:
     Raises `InputError` for keys that stand twice or are no file names.
     """
     kinds = {figure.kind for figure in study.figures}
-    members = any(not isinstance(case.scenario, StudTests | ImpactProblem) for case in study.cases)
+    members = any(frame_scenario_of(case.scenario) is not None for case in study.cases)
     wanted = {"structure": members, "convergence": len(study.steps) > 1, "cost": True}
     standard = {
         kind: Figure(kind, kind, *words)

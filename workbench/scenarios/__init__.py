@@ -31,3 +31,4 @@ from workbench.scenarios.parts import Member as Member
 from workbench.scenarios.parts import Node as Node
 from workbench.scenarios.pulse import MemberPulse as MemberPulse
 from workbench.scenarios.pulse import Pulse as Pulse
+from workbench.scenarios.uncertain import UncertainImpact as UncertainImpact

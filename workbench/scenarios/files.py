@@ -15,15 +15,17 @@ from workbench.scenarios.frame_events import FrameGroundMotion, FrameImpact, Fra
 from workbench.scenarios.frame_events import FrameScenario as FrameScenario
 from workbench.scenarios.laboratory import ImpactProblem, StudTests
 from workbench.scenarios.pulse import MemberPulse
+from workbench.scenarios.uncertain import UncertainImpact
 
 ColumnScenario = ColumnPushover | ColumnImpact | MemberPulse
-Scenario = ColumnScenario | FrameScenario | StudTests | ImpactProblem
+Scenario = ColumnScenario | FrameScenario | StudTests | ImpactProblem | UncertainImpact
 
 KINDS: dict[str, type[Any]] = {
     kind.KIND: kind
     for kind in (
         *(ColumnPushover, ColumnImpact, MemberPulse),
         *(FrameStatic, FrameImpact, FrameGroundMotion, FramePulse, StudTests, ImpactProblem),
+        UncertainImpact,
     )
 }
 LARGEST_FILE = 5_000_000  # bytes; a record of the ground of 100 000 steps has some 1 MB

@@ -2,7 +2,7 @@
 
 The uncertainty of a side is that of its own coarser runs, if it made some. Otherwise the reference
 of the study has that of its ladder of labels (unknown without one), published or measured numbers
-the half-width stated with them, a sample of tests that of its interval. Any other side, a reduced
+the half-width stated with them, a sample that of its interval. Any other side, a reduced
 model, counts as exact: its discretisation is part of what is judged; a note says where no side has
 an uncertainty of its own.
 
@@ -103,13 +103,13 @@ def of_side(answers: Answers, label: str, quantity: str) -> Known:
         levels = quantity_ladder(answers, quantity)
         if levels is not None:
             return levels.uncertainty, f"ladder of {label}: {levels.note}"
-        if "data_uncertainty" not in response.attrs:
+        if not {"data_uncertainty", "sampling_uncertainty"} & response.attrs.keys():
             return None, _no_ladder(label)
     if "sampling_uncertainty" in response.attrs:
         width = json.loads(response.attrs["sampling_uncertainty"]).get(quantity)
         if width is None:
             return None, f"{label}: one test has no interval"
-        return float(width), f"{label}: interval over the tests judged"
+        return float(width), f"{label}: interval over the tests or samples"
     if "data_uncertainty" in response.attrs:
         widths = json.loads(response.attrs["data_uncertainty"])
         if quantity not in widths:

@@ -57,8 +57,8 @@ class Fragility:
 
     `curve` with the numerical part, `curve_without` it, `reduced_curve` (points,) of the reduced
     model at the same velocities; `numerical`, half-width in ln velocity that all references share,
-    None where it is not known; `shift`, ln velocity, from their mesh to a finer one; `places`
-    (samples), `velocities` (ln, of the reduced model) and `ratios` of the references; `kinds`, how
+    None where it is not known; `shift`, ln velocity, from their mesh to a finer one; `population`,
+    the samples; `places` (samples) and `ratios` of the references; `kinds`, how
     many samples of each kind; `seconds` by part; `turning`, of `CHECKED` samples those whose peak
     falls below the limit again 5 % above the critical velocity.
     """
@@ -69,14 +69,19 @@ class Fragility:
     reduced_curve: Array
     numerical: float | None
     shift: float
+    population: Population
     places: Sequence[int]
-    velocities: Sequence[float]
     ratios: Sequence[Ratio]
     kinds: dict[str, int]
     runs: dict[str, int]
     seconds: dict[str, float]
     looked: bool
     turning: int
+
+    @property
+    def velocities(self) -> list[float]:
+        """Ln critical velocities of the reduced model at the places of the references."""
+        return [float(self.population.log_velocity[place]) for place in self.places]
 
     @property
     def failed(self) -> int:
@@ -107,16 +112,10 @@ def fragility(setup: Setup, say: Callable[[str], None] = lambda text: None) -> F
     `say` gets a line as work goes on. Raises `InputError` for a setup that cannot be answered,
     `WorkbenchError` where too many samples or references have no answer.
     """
-    if not setup.uncertain.inputs:
-        text = "has no uncertain input"
-        advice = 'write a distribution, such as yield_stress = { jcss = "S355" }'
-        raise InputError("scenario", setup.uncertain.base.name, text, advice)
     started = perf_counter()
     with Processes(setup.jobs) as run:
-        scores, scrambles = _scores(setup)
-        _refuse_far_limits(setup, roots_of(setup, scores[:PILOT]))
-        roots = _survey(setup, scores, run)
-        population, kinds = _population(roots, scores, scrambles)
+        roots, population, kinds = survey(setup, run)
+        scores = population.inputs
         seconds = {"samples": perf_counter() - started}
         say(f"{len(roots)} samples in {seconds['samples']:.1f} s")
         random = np.random.default_rng((setup.seed, SCRAMBLES))
@@ -137,7 +136,7 @@ def fragility(setup: Setup, say: Callable[[str], None] = lambda text: None) -> F
                 new = places[len(ratios) : count]
                 ratios += run(partial(ratio_at, setup), _tasks(new, scores, population))
                 spent += perf_counter() - begun
-            if not finer or dominates:
+            if setup.meshes and (not finer or dominates):
                 begun, finer = perf_counter(), finer + 1
                 meshes = _mesh(setup, finer, places, ratios, scores, population, run)
                 numerical, shift = meshes[:2]
@@ -168,9 +167,8 @@ def fragility(setup: Setup, say: Callable[[str], None] = lambda text: None) -> F
         "meshes": mesh_runs,
     }
     used = [int(place) for place in places[: len(ratios)]]
-    reached = [float(population.log_velocity[place]) for place in used]
     return Fragility(
-        *(setup, curve, without, reduced, numerical, shift, used, reached, ratios, kinds, runs),
+        *(setup, curve, without, reduced, numerical, shift, population, used, ratios, kinds, runs),
         {**seconds, "all": perf_counter() - started},
         looked,
         grown.count(False),
@@ -194,10 +192,20 @@ def _refuse_far_limits(setup: Setup, roots: list[Root]) -> None:
         raise InputError("--limit", str(setup.limit), text, "take another limit, range or model")
 
 
-def _survey(setup: Setup, scores: Array, run: Run) -> list[Root]:
-    """Critical velocities of all samples by the reduced model, a scramble a task."""
+def survey(setup: Setup, run: Run) -> tuple[list[Root], Population, dict[str, int]]:
+    """Critical velocities of all samples by the reduced model, and how many of each kind.
+
+    A scramble is a task. Raises `InputError` and `WorkbenchError` as `fragility`.
+    """
+    if not setup.uncertain.inputs:
+        text = "has no uncertain input"
+        advice = 'write a distribution, such as yield_stress = { jcss = "S355" }'
+        raise InputError("scenario", setup.uncertain.base.name, text, advice)
+    scores, scrambles = _scores(setup)
+    _refuse_far_limits(setup, roots_of(setup, scores[:PILOT]))
     parts = np.split(scores, SCRAMBLES)  # whatever the number of processes: searches start alike
-    return [root for part in run(partial(roots_of, setup), parts) for root in part]
+    roots = [root for part in run(partial(roots_of, setup), parts) for root in part]
+    return roots, *_population(roots, scores, scrambles)
 
 
 def _population(

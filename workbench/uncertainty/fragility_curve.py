@@ -207,6 +207,19 @@ def fragility_curve(
     return _bands(grid, draws, lower, upper, level, parts, len(ratios))
 
 
+def reduced_curve(population: Population, random: np.random.Generator) -> Curve:
+    """The curve of the reduced model alone: its band holds the error of the samples only."""
+    finite = np.isfinite(population.log_velocity)
+    y = population.log_velocity[finite]
+    grid = _grid(y)
+    exact = finite.mean() * _distribution(np.sort(y), grid)
+    deviation = _deviation(_by_scramble(population, finite, y, grid), random)
+    draws = exact + deviation
+    silent = float(np.isnan(population.log_velocity).mean())
+    parts = np.zeros_like(grid), ndtri(0.5 + LEVEL / 2.0) * deviation.std(axis=0)
+    return _bands(grid, draws, draws, draws + silent, LEVEL, parts, 0)
+
+
 def _grid(corrected: Array) -> Array:
     """Points of ln velocity at equal steps of the normal score, with some room beyond."""
     scores = ndtr(np.linspace(-FARTHEST, FARTHEST, GRID))

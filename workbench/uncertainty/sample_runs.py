@@ -51,7 +51,8 @@ class Target(NamedTuple):
 class Setup:
     """What is asked: uncertain scenario, models, limit, ends of the range of velocities (m/s).
 
-    `samples` in all; `seed`; `references` (None: looks at the band decide, up to `seconds`).
+    `samples` in all; `seed`; `references` (None: looks at the band decide, up to `seconds`);
+    `meshes`, whether some of them are run on finer meshes too.
     """
 
     uncertain: UncertainScenario
@@ -65,6 +66,7 @@ class Setup:
     seconds: float = 600.0
     target: Target = Target()
     jobs: int = 1
+    meshes: bool = True
 
     @property
     def search(self) -> tuple[float, float]:

@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 
+from workbench.arrays import Array
 from workbench.assessment.budget import PEAK
 from workbench.content.formatting import axis_label, unit_of
 from workbench.errors import InputError
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from workbench.uncertainty.fragility import Fragility
 
 _MOST_LINES = 10  # told apart by their colours and dashes
+VELOCITY = "impact velocity (m/s)"
 _HIGH, _WIDE = 3.6, 4.6  # inches
 _ASYMPTOTE: Style = {"color": MUTED, "linewidth": 0.6, "linestyle": ":"}
 
@@ -84,6 +87,13 @@ def _sweep(lines: xr.DataArray, key: str, others: Sequence[str]) -> Drawing:
     return sheet.finish(f"peaks over {key}")
 
 
+def exceedance(panel: Axes, velocity: Array, edges: Sequence[Array], look: Style) -> None:
+    """Draw a fragility curve, the middle one of the `edges` of its band, over velocity (m/s)."""
+    low, median, high = edges
+    panel.fill_between(velocity, low, high, **{**INTERVAL, "color": look["color"]})
+    panel.plot(velocity, median, **look)
+
+
 def fragility_chart(result: "Fragility") -> Canvas:
     """A fragility curve with its band, and the reduced model alone."""
     return canvas_of(_fragility, result)
@@ -95,16 +105,18 @@ def _fragility(result: "Fragility") -> Drawing:
     sheet = Sheet.table(1, 1, _HIGH, width=5.2)
     panel, corrected = sheet.panel, numbered(0).curve()
     alone: Style = {"color": MUTED, "linestyle": "--", "linewidth": 1.0}
-    panel.fill_between(velocity, curve.low, curve.high, **INTERVAL)
-    panel.plot(velocity, curve.median, **corrected)
+    exceedance(panel, velocity, (curve.low, curve.median, curve.high), corrected)
     panel.plot(velocity, result.reduced_curve, **alone)
     of = "collapse" if isinf(setup.limit.displacement) else f"exceeding {setup.limit}"
     ends = max(velocity[0], setup.ends[0]), min(velocity[-1], setup.ends[1])
     panel.set(xlim=ends, ylim=(0.0, 1.0))
-    panel.set(xlabel="impact velocity (m/s)", ylabel=f"probability of {of}")
+    panel.set(xlabel=VELOCITY, ylabel=f"probability of {of}")
     sheet.legend(
         entry(f"{setup.reduced.name}, corrected by {setup.reference.name}", **corrected),
-        entry("90 %: samples, model, reference", **{**INTERVAL, "linewidth": 6.0}),
+        entry(
+            "90 %: samples, model, reference",
+            **{**INTERVAL, "color": corrected["color"], "linewidth": 6.0},
+        ),
         entry(f"{setup.reduced.name} alone", **alone),
     )
     sheet.record(velocity=velocity, low=curve.low, median=curve.median, high=curve.high)

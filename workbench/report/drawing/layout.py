@@ -17,8 +17,10 @@ from workbench.scenarios import (
     Member,
     Scenario,
     StudTests,
+    UncertainImpact,
     frame_scenario,
 )
+from workbench.uncertainty.inputs import uncertain_from_text
 
 _LEAST_DEPTH = 0.035  # inches that a member takes at least, so that it can be seen
 _WIDE, _HIGH, _UPRIGHT = 4.2, 2.9, 2.4  # inches that a frame, and a single column, may take
@@ -120,9 +122,14 @@ class Layout:
 
 
 def frame_scenario_of(scenario: Scenario) -> FrameScenario | None:
-    """Return the frame scenario; a column becomes its two-member frame. None without a frame."""
+    """Return the frame scenario; a column becomes its two-member frame. None without a frame.
+
+    Of uncertain inputs it has the medians.
+    """
     if isinstance(scenario, StudTests | ImpactProblem):
         return None
+    if isinstance(scenario, UncertainImpact):
+        return frame_scenario_of(uncertain_from_text(scenario.text).base)
     return frame_scenario(scenario)
 
 

@@ -22,6 +22,7 @@ KINDS = {
     "deformed": "deformed.draw",
     "domain-map": "maps.domain_map",
     "energy": "curves.energy",
+    "exceedance": "curves.exceedance_bands",
     "force-displacement": "curves.force_displacement",
     "history": "curves.history",
     "interaction": "interaction.draw",

@@ -3,6 +3,7 @@
 ``history``, options: `quantity` (a history; `impulse` stands for the percussions summed up),
 `hinge` (a name, for quantities that belong to hinges), `cases`.
 ``force-displacement``, options: `quantity` (``force``, the default, or ``load_factor``), `cases`.
+``exceedance``: probability over velocity with its band, one panel per case. Option: `cases`.
 ``place``: the last unknown of an integrator's problem and the exact one.
 ``energy``: the ledger of one impact, one panel per label. Option: `case` (default the first that
 has a ledger).
@@ -14,6 +15,7 @@ from matplotlib.patches import Patch
 
 from workbench.content.formatting import Unit, axis_label, number, title_of, unit_of
 from workbench.fields import Choice
+from workbench.report.drawing.charts import VELOCITY, exceedance
 from workbench.report.drawing.layout import displacement_unit
 from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, evenly, nothing, thinned
 from workbench.report.drawing.style import INK, MUTED, Style, entry
@@ -154,6 +156,27 @@ def _axes(case: Case, quantity: str) -> tuple[tuple[Unit, str], tuple[Unit, str]
         if quantity == "force" and not any(load.x or load.y for load in scenario.loads):
             return across, (unit_of("moment"), "moment")
     return across, (unit_of(quantity), title_of(quantity))
+
+
+def exceedance_bands(request: Request) -> Drawing:
+    """Fragility curves of all labels, each with its band."""
+    sheet, panels = request.case_panels(sharey=True)
+    for case, panel in panels:
+        answers = request.answers(case, sheet.absent, ("curve.median",), "fragility curve")
+        for label, response in answers.items():
+            velocity, *edges = (
+                response[f"curve.{name}"].to_numpy()
+                for name in ("velocity", "low", "median", "high")
+            )
+            look = request.looks[label].curve()
+            exceedance(panel, velocity, edges, look)
+            sheet.legend(entry(label, **look))
+            columns = dict(zip(("low", "median", "high"), edges, strict=True))
+            sheet.record(case=case.name, label=label, velocity_SI=velocity, **columns)
+        panel.set_ylim(0.0, 1.0)
+        sheet.name(panel, case.name, VELOCITY, "probability of exceedance")
+    empty = "No model answered with a fragility curve."
+    return sheet.finish("probability of exceedance over the impact velocity", empty=empty)
 
 
 def place(request: Request) -> Drawing:
