@@ -25,10 +25,10 @@ COLUMN = Column(find("HEB 220"), 0.8, 3.2, axial_load=0.5e6, restraint_stiffness
 models = {
     RIGID: SingleDof(resistance="panel"),
     **{
-        f"striker of {name}": SoftImpact(stiffness=stiffness, resistance="panel")
+        f"striker of {name}": SoftImpact(striker_stiffness=stiffness, resistance="panel")
         for name, stiffness in STIFFNESSES.items()
     },
-    CRUSHING: SoftImpact(stiffness=STIFFNESSES["car"], crush_force=3e5, resistance="panel"),
+    CRUSHING: SoftImpact(striker_stiffness=STIFFNESSES["car"], crush_force=3e5, resistance="panel"),
 }
 cases = tuple(
     Case(
