@@ -26,22 +26,15 @@ import xarray as xr
 
 from workbench import __version__
 from workbench.errors import InputError, WorkbenchError, message_of
-from workbench.models.base import options_of
 from workbench.models.batch import FAILURE, OUTCOME, can_stack
 from workbench.responses import SCALARS
+from workbench.study.cells import ingredients_of, key_of
 from workbench.study.executors import DaskCluster
-from workbench.study.store import (
-    UNREADABLE,
-    canonical_json,
-    read_netcdf,
-    to_netcdf_bytes,
-    write_atomically,
-)
+from workbench.study.store import UNREADABLE, read_netcdf, to_netcdf_bytes, write_atomically
 from workbench.uncertainty.inputs import UncertainScenario, uncertain_from_text
 from workbench.uncertainty.sample_runs import Processes, sample_answers
 
 STACKED, ALONE, BLOCK = 8192, 1000, 100  # rows of a chunk; of what a process answers at a time
-DIGITS = 16  # of keys and digests in names
 _TEXTS = "texts of "
 
 
@@ -69,19 +62,13 @@ class Question:
     @cached_property
     def labels(self) -> dict[str, Any]:
         """Everything that an answer depends on but its row."""
-        return {
-            "scenario": self.text,
-            "model": self.model.name,
-            "options": json.dumps(options_of(self.model), sort_keys=True, default=repr),
-            "model version": self.model.version,
-            "seed": self.seed,
-            "workbench version": self.version,
-        }
+        median = ingredients_of(self.uncertain.base, self.model)
+        return {**median, "scenario": self.text, "seed": self.seed}
 
     @cached_property
     def key(self) -> str:
         """Digits that stand for the labels."""
-        return _digest(canonical_json(self.labels))
+        return key_of(self.labels)
 
     @cached_property
     def stacked(self) -> bool:
@@ -119,7 +106,7 @@ class Chunk(NamedTuple):
             attributes = read_netcdf(file).attrs
             span, whole = (Span(*json.loads(attributes[name])) for name in ("span", "whole"))
             labels = json.loads(attributes["labels"])
-            if file.name != _name(_digest(canonical_json(labels)), span, file.read_bytes()):
+            if file.name != _name(key_of(labels), span, file.read_bytes()):
                 raise ValueError("its name does not go with its content")
         except UNREADABLE as error:
             text = f"is no sound chunk of answers: {message_of(error)}"
@@ -252,8 +239,4 @@ def joined(tables: Iterable[pd.DataFrame]) -> pd.DataFrame:
 
 def _name(key: str, span: Span, content: bytes) -> str:
     """The name of the file of a chunk."""
-    return f"{key}-{span.first}-{span.last}-{_digest(content)}.nc"
-
-
-def _digest(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()[:DIGITS]
+    return f"{key}-{span.first}-{span.last}-{hashlib.sha256(content).hexdigest()[:20]}.nc"
