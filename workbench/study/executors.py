@@ -274,8 +274,12 @@ class DaskCluster:
             window = max(WINDOW, 2 * sum(client.nthreads().values()))
             ready = distributed.as_completed(submitted(window))
             for future in ready:
-                lost = future.exception()
-                result = future.result() if lost is None else None
+                result: Any = None
+                lost: BaseException | None = None
+                try:
+                    result = future.result()  # whose worker may have died since
+                except Exception as error:
+                    lost = error
                 future.release()
                 ready.update(submitted(1))
                 yield by_key.pop(future.key), result, lost
