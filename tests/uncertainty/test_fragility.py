@@ -130,6 +130,10 @@ LIMIT = ("--limit", "displacement=0.1")
         (("--over", "striker.velocity=0:5", *LIMIT), "--over"),
         ((*OVER, "--limit", "drift=1"), "--limit"),
         ((*OVER, *LIMIT, "--samples", "1000"), "--samples"),
+        ((*OVER, *LIMIT, "--and", "striker.mass"), "--and"),
+        ((*OVER, *LIMIT, "--and", "striker.mass=1000,,2000"), "--and"),
+        ((*OVER, *LIMIT, "--and", "striker.velocity=5,6"), "--and"),
+        ((*OVER, *LIMIT, "--and", "striker.mass=1000,heavy"), "striker.mass"),
         ((*OVER, *LIMIT, "--references", "3"), "--references"),
         ((*OVER, *LIMIT, "--jobs", "0"), "--jobs"),
         ((*OVER, *LIMIT, "--seed", "-1"), "--seed"),
@@ -166,3 +170,23 @@ def test_verb_writes_certificate_and_picture(file, tmp_path, capsys):
     content = json.loads(out.read_text())
     assert isfinite(log(content["curve"]["velocity"][0]))
     assert run(["verify", str(out)]) == 0
+
+
+def test_a_second_number_has_a_curve_for_each_value(file, tmp_path, capsys):
+    out, plot = tmp_path / "c.json", tmp_path / "c.png"
+    pair = ("--model", "single-dof", "--reference", "four-dof", "--samples", "2048")
+    more = ("--references", "8", "--jobs", "1", "--out", str(out), "--plot", str(plot))
+    given = ("--and", "striker.mass=1000,2000")
+    assert run(["fragility", file, *OVER, *LIMIT, *pair, *more, *given]) == 1
+    assert "striker.mass" in capsys.readouterr().out
+    assert plot.stat().st_size > 10_000
+    content = json.loads(out.read_text())
+    light, heavy = content["curves"]
+    assert [light["given"], heavy["given"]] == ["striker.mass=1000", "striker.mass=2000"]
+    assert light["curve"]["velocity"][80] > 1.2 * heavy["curve"]["velocity"][80]
+    assert light["seed"] == heavy["seed"]  # and so the samples of the other inputs
+    for entry in content["curves"][1]["references"]:
+        entry["log_ratio"] = 0.5
+    assert run(["verify", str(out)]) == 0
+    out.write_text(json.dumps(content))
+    assert run(["verify", str(out)]) == 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping
+from functools import partial
 from math import exp, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
 VELOCITY = "striker.velocity"
 _LARGEST = 5_000_000  # bytes of a certificate
+CURVES, MOST_VALUES = "fragility-curves", 8  # kind of several certificates; curves told apart
 _SHOWN = 7  # velocities in the table of the curve
 
 
@@ -53,6 +55,9 @@ def fragility(
     seed: int = option("Seed of the samples.", 1),
     jobs: Jobs = None,
     settings: Settings = None,
+    given: str | None = option(
+        "Values of a second number: a curve for each.", None, "striker.mass=1000,1500", "--and"
+    ),
     plot: str | None = option("Draw the curve.", None, "OUT.png|svg|pdf"),
     out: str | None = option("Write the certificate.", None, "CERTIFICATE.json"),
 ) -> Answer:
@@ -86,32 +91,42 @@ def fragility(
     Number(0, 2**32 - 1, integer=True).check("--seed", seed)
     count = processes(jobs)
     exceeded = limit_of(limit)
-    uncertain = load_uncertain(scenario, settings or [])
-    if VELOCITY in uncertain.names:
-        text = "is what the probability is given over: it cannot be uncertain itself"
-        raise InputError(VELOCITY, "a distribution", text, "write a number")
-    base: Any = uncertain.base
-    if not hasattr(base, "at_velocity"):
-        text = "has no impact velocity"
-        raise InputError("kind", base.KIND, text, "take column-impact or frame-impact")
-    pair = _pair(base.at_velocity(ends[1]), model, reference)
-    reduced, governing = (make_model(name) for name in pair)
-    asked = Setup(
-        *(uncertain, reduced, governing, exceeded, ends, samples, seed, references, seconds),
-        Target(half_width),
-        count,
-    )
-    result = run(asked, lambda text: print(f"workbench: {text}", file=sys.stderr, flush=True))
-    content = certificate(result)
+    key, values = _second(given)
+    setups = {}
+    for value in values:
+        uncertain = load_uncertain(scenario, [*(settings or []), *([value] if key else [])])
+        if VELOCITY in uncertain.names:
+            text = "is what the probability is given over: it cannot be uncertain itself"
+            raise InputError(VELOCITY, "a distribution", text, "write a number")
+        base: Any = uncertain.base
+        if not hasattr(base, "at_velocity"):
+            text = "has no impact velocity"
+            raise InputError("kind", base.KIND, text, "take column-impact or frame-impact")
+        pair = _pair(base.at_velocity(ends[1]), model, reference)
+        reduced, governing = (make_model(name) for name in pair)
+        setups[value] = Setup(
+            *(uncertain, reduced, governing, exceeded, ends, samples, seed, references, seconds),
+            Target(half_width),
+            count,
+        )
+    results = {}
+    for value, asked in setups.items():  # none begins before all are known to be right
+        say = partial(_say, f"{value}: " if key else "")
+        results[value] = run(asked, say)
+    contents = {value: certificate(result) for value, result in results.items()}
+    whole = [{"given": value, **content} for value, content in contents.items()]
+    content = {"kind": CURVES, "curves": whole} if key else contents[""]
     if target is not None:
         write_atomically(target, json.dumps(content, indent=1, allow_nan=False).encode())
     if picture is not None:
         from workbench.report.drawing.charts import fragility_chart
         from workbench.report.gallery import save
 
-        save(fragility_chart(result), picture)
+        save(fragility_chart(results), picture)
     files = {"certificate": target, "picture": picture}
-    return Answer(content, _blocks(result), int(not result.reaches_target), files)
+    narrow = all(result.reaches_target for result in results.values())
+    blocks = _by_value(key, results) if key else _blocks(results[""])
+    return Answer(content, blocks, int(not narrow), files)
 
 
 @verb
@@ -135,7 +150,10 @@ def verify(
             raise InputError("certificate", certificate, "is not JSON") from error
     if not isinstance(content, Mapping):
         raise InputError("certificate", certificate, "is no JSON object")
-    checked = certificates.verify(content, seed)
+    several = content.get("curves") if content.get("kind") == CURVES else [content]
+    if not isinstance(several, list) or not all(isinstance(each, Mapping) for each in several):
+        raise InputError("certificate.curves", None, "must be a list of certificates")
+    checked = [each for one in several for each in certificates.verify(one, seed)]
     agree = sum(each.agrees for each in checked)
     columns = {
         "sample": "sample",
@@ -162,6 +180,24 @@ def verify(
 def _ratio(value: float | None) -> Cell | str:
     known = value is not None and isfinite(value)
     return Cell(f"{value:+.5f}", value) if known else "no answer"
+
+
+def _say(head: str, text: str) -> None:
+    print(f"workbench: {head}{text}", file=sys.stderr, flush=True)
+
+
+def _second(text: str | None) -> tuple[str, list[str]]:
+    """Key of the second number and its settings, ``KEY=VALUE`` each; one empty one without it."""
+    if text is None:
+        return "", [""]
+    key, equals, listed = text.partition("=")
+    values = list(dict.fromkeys(each.strip() for each in listed.split(",")))
+    if not key.strip() or not equals or not all(values) or len(values) > MOST_VALUES:
+        text_ = f"must be KEY=A,B,... with at most {MOST_VALUES} values"
+        raise InputError("--and", text, text_, "such as striker.mass=750,1500,3000")
+    if key.strip() == VELOCITY:
+        raise InputError("--and", text, f"is what --over varies; name another key than {VELOCITY}")
+    return key.strip(), [f"{key.strip()}={value}" for value in values]
 
 
 def _range(text: str) -> tuple[float, float]:
@@ -241,6 +277,29 @@ def _blocks(result: Fragility) -> Iterator[Block]:
     if not result.reaches_target:
         text = "The band is wider than was asked; the largest part above says what to refine."
         yield Paragraph(text)
+
+
+def _by_value(key: str, results: Mapping[str, Fragility]) -> Iterator[Block]:
+    """One row for each value of the second number."""
+    from workbench.uncertainty.fragility_curve import PROBABILITIES
+
+    rows = []
+    for value, result in results.items():
+        row: dict[str, Any] = {key: value.partition("=")[2]}
+        for p in PROBABILITIES:
+            low, middle, high = map(exp, result.curve.velocity(p))
+            row[f"v at {p:g} m/s"] = Cell(f"{middle:.3g} ({low:.3g} to {high:.3g})", middle)
+        unknown = "" if result.numerical is not None else ", meshes unknown"
+        width = result.curve.half_width
+        row["half-width"] = Cell(f"{width:.3f}{unknown}", width)
+        row["references"] = len(result.ratios)
+        rows.append(row)
+    setup = next(iter(results.values())).setup
+    head = f"{setup.uncertain.base.name}: limit {setup.limit}, {setup.samples} samples, by {key}."
+    yield Paragraph(f"{head} All values have the same samples of the other inputs.")
+    yield Table.of(
+        "given", "Velocity at a probability, 90 %.", {name: name for name in rows[0]}, rows
+    )
 
 
 def _banded(band: Iterable[float], middle: str) -> dict[str, Cell]:

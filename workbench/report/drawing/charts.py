@@ -94,30 +94,33 @@ def exceedance(panel: Axes, velocity: Array, edges: Sequence[Array], look: Style
     panel.plot(velocity, median, **look)
 
 
-def fragility_chart(result: "Fragility") -> Canvas:
-    """A fragility curve with its band, and the reduced model alone."""
-    return canvas_of(_fragility, result)
+def fragility_chart(results: Mapping[str, "Fragility"]) -> Canvas:
+    """Fragility curves with their bands by what is given; a single one beside its reduced model."""
+    return canvas_of(_fragility, results)
 
 
-def _fragility(result: "Fragility") -> Drawing:
-    curve, setup = result.curve, result.setup
-    velocity = np.exp(curve.log_velocity)
+def _fragility(results: Mapping[str, "Fragility"]) -> Drawing:
     sheet = Sheet.table(1, 1, _HIGH, width=5.2)
-    panel, corrected = sheet.panel, numbered(0).curve()
+    panel = sheet.panel
     alone: Style = {"color": MUTED, "linestyle": "--", "linewidth": 1.0}
-    exceedance(panel, velocity, (curve.low, curve.median, curve.high), corrected)
-    panel.plot(velocity, result.reduced_curve, **alone)
+    setup = next(iter(results.values())).setup
+    band = entry("90 %: samples, model, reference", **{**INTERVAL, "linewidth": 6.0})
+    firsts, lasts = [], []
+    for i, (given, result) in enumerate(results.items()):
+        curve, look = result.curve, numbered(i).curve()
+        velocity = np.exp(curve.log_velocity)
+        exceedance(panel, velocity, (curve.low, curve.median, curve.high), look)
+        corrected = f"{setup.reduced.name}, corrected by {setup.reference.name}"
+        sheet.legend(entry(given or corrected, **look))
+        edges = {"low": curve.low, "median": curve.median, "high": curve.high}
+        sheet.record(given=given, velocity=velocity, **edges)
+        firsts.append(velocity[0])
+        lasts.append(velocity[-1])
+        if len(results) == 1:
+            panel.plot(velocity, result.reduced_curve, **alone)
+            sheet.legend(band, entry(f"{setup.reduced.name} alone", **alone))
     of = "collapse" if isinf(setup.limit.displacement) else f"exceeding {setup.limit}"
-    ends = max(velocity[0], setup.ends[0]), min(velocity[-1], setup.ends[1])
+    ends = max(min(firsts), setup.ends[0]), min(max(lasts), setup.ends[1])
     panel.set(xlim=ends, ylim=(0.0, 1.0))
     panel.set(xlabel=VELOCITY, ylabel=f"probability of {of}")
-    sheet.legend(
-        entry(f"{setup.reduced.name}, corrected by {setup.reference.name}", **corrected),
-        entry(
-            "90 %: samples, model, reference",
-            **{**INTERVAL, "color": corrected["color"], "linewidth": 6.0},
-        ),
-        entry(f"{setup.reduced.name} alone", **alone),
-    )
-    sheet.record(velocity=velocity, low=curve.low, median=curve.median, high=curve.high)
     return sheet.finish(f"probability of {of} over the impact velocity")
