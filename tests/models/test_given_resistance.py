@@ -42,7 +42,7 @@ def softening(tmp_path) -> str:
 @pytest.mark.parametrize(
     ("shape", "kind", "tolerance"),
     [
-        ("panel", SingleDof, 1e-12),  # its 200 straight pieces, one by one
+        ("panel", SingleDof, 1e-12),  # its 220 straight pieces, one by one
         ("panel", EnergyEstimate, 1e-12),
         ("panel", SoftImpact, 1e-12),
         ("analytic", SingleDof, 6e-8),  # measured 3e-8: 4000 chords of a cubic

@@ -28,7 +28,7 @@ class EnergyEstimate(OnCurve):
     """Energy-equivalent displacements."""
 
     name: ClassVar[str] = "energy-estimate"
-    version: ClassVar[int] = 6
+    version: ClassVar[int] = 7
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Resistance of the single-DOF column: two rigid bars with plastic hinges, small rotations, "

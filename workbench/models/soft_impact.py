@@ -213,7 +213,7 @@ class SoftImpact(OnCurve):
     )
 
     name: ClassVar[str] = "soft-impact"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
     judged: ClassVar[bool] = False
     crushing: ClassVar[bool] = True
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)

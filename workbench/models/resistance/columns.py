@@ -78,17 +78,15 @@ def panel_curve(
     if refusals:
         raise OutOfDomainError(f"static curve of its panels: {'; '.join(refusals)}")
     try:
-        _, values = model.pushed(column, top, least=0.0)
+        records, values = model.pushed(column, top, least=0.0)
     except SolverError as error:
         raise OutOfDomainError(f"static curve of its panels: {error}") from error
     v, force, top = values["displacement"], values["force"], values["displacement"][-1]
-    flows = np.flatnonzero(values["dissipated"] > 0.0)
+    flows = np.flatnonzero(values["dissipated"] > _FLOWS * records["elastic"])
     limit = float(v[max(flows[0] - 1, 1)]) if len(flows) else top
-    # closely where hinges form, then evenly
-    at = np.unique(
-        [*np.linspace(limit, min(0.1 * top, 10.0 * limit), 60), *np.linspace(limit, top, 140)]
-    )
-    at = np.concatenate([[0.0], at])
+    # where it stiffens or softens elastically, closely where hinges form, then evenly
+    elastic, forming = np.linspace(0.0, limit, 21), min(0.1 * top, 10.0 * limit)
+    at = np.unique([*elastic, *np.linspace(limit, forming, 60), *np.linspace(limit, top, 140)])
     f = np.interp(at, v, force)
     return ResistanceCurve("panel", mechanism, straight_pieces(at, f), limit)
 
@@ -119,6 +117,7 @@ def column_curve(
 
 
 SEGMENTS = ("below", "above")
+_FLOWS = 1e-9  # of the elastic energy; round-off of an elastic push dissipates some 1e-15 of it
 _ROTATION = 0.5  # rad; small rotations change the force by about 7 % here
 _WORK = 0.10  # share by which a simplification may leave the analytic curve without a warning
 

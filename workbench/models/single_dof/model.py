@@ -62,7 +62,7 @@ class SingleDof(OnCurve):
     )
 
     name: ClassVar[str] = "single-dof"
-    version: ClassVar[int] = 11
+    version: ClassVar[int] = 12
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND, MemberPulse.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars with elastic-perfectly plastic hinges; linear N-M yield surface, small "
