@@ -34,7 +34,7 @@ def study_files() -> dict[str, Path]:
 def load_study(name: str | Path) -> LoadedStudy:
     """Load a study by the path of its file or by its name in ``studies/``.
 
-    Raises `InputError` if there is no such study (naming those that exist), if the file cannot
+    Raises `InputError` if there is no such study (naming the nearest one), if the file cannot
     be run, or if it does not define ``study = Study(...)``.
     """
     path = Path(name)
@@ -42,9 +42,10 @@ def load_study(name: str | Path) -> LoadedStudy:
         known = study_files()
         stem = str(name).replace("-", "_")
         if stem not in known:
-            listed = ", ".join(known) if known else "none in ./studies"
-            advice = did_you_mean(stem, known, "give the path of a study file")
-            raise InputError("study", str(name), f"is not known; there are {listed}", advice)
+            near = did_you_mean(stem, known)
+            text = f"is not known; {near}".removesuffix("; ")
+            advice = f"give the path of a study file, or one of {len(known)} names in ./studies"
+            raise InputError("study", str(name), text, advice)
         path = known[stem]
     if not path.is_file():
         raise InputError("study", str(name), "there is no such file")
