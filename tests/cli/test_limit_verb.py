@@ -84,7 +84,21 @@ def test_other_keys_need_a_range(car: str, capsys: pytest.CaptureFixture[str]) -
     assert run([*heavy, "--set", "striker.velocity=8", "--tolerance", "0.05"]) == 0
     assert "turns from survival to collapse" in capsys.readouterr().out
     assert run([*heavy[:-1], "200"]) == 0
-    assert "no collapse up to 200" in capsys.readouterr().out
+    assert "no collapse up to 200 kg" in capsys.readouterr().out
+
+
+def test_numbers_are_read_and_written_with_their_unit(
+    car: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The file may say km/h: a bare number beside it would be read as that."""
+    ends = ["--from", "18 km/h", "--to", "10.8", "--tolerance", "0.5"]
+    assert run(["limit", car, "--model", "energy-estimate", *ends, "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert (content["range"], content["unit"]) == ([5.0, 10.8], "m/s")
+    assert run(["limit", car, "--model", "energy-estimate", *ends]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "limit of striker.velocity in m/s" in text
+    assert "5 m/s (18 km/h)" in text
 
 
 def test_what_stays_open_is_status_1(car: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -110,6 +124,8 @@ def test_what_stays_open_is_status_1(car: str, capsys: pytest.CaptureFixture[str
         (["--over", "time.duration"], "must be a key with a number"),
         (["--from", "-1"], "striker.velocity = -1.0: must be a number above 0"),
         (["--to", "1"], "--to = 1.0: must be another value than --from"),
+        (["--from", "18 kg"], "striker.velocity = '18 kg': must be a number above 0"),
+        (["--over", "name", "--from", "a", "--to", "b"], "name = 'a': must be a number"),
         (["--tolerance", "2"], "--tolerance = 2.0: must be a number"),
         (["--model", "four-dofs"], "did you mean four-dof?"),
         (["--option", "gamma=1"], "option.gamma: unknown key"),

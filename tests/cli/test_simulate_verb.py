@@ -48,6 +48,48 @@ def test_without_a_model_the_advice_answers_beside_a_reference(
     assert f"ok, {reference:.4g}" in lines[2]
 
 
+def test_without_a_reference_inside_its_domain_the_answer_says_why(
+    file: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its webs would slide further than the reference follows, which is no clean one then."""
+    far = ["--set", "striker.velocity=12", "--set", "column.length_below=0.4"]
+    assert run(["simulate", file, *far, "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content["reference"] is None
+    (note,) = (each for each in content["notes"] if each.startswith("no reference"))
+    pattern = r"no reference inside its domain: fiber-shear \(.* mean shear strain of 0\.\d+, above"
+    assert re.match(pattern, note)
+    assert run(["advise", file, *far, "--json"]) == 0
+    findings = json.loads(capsys.readouterr().out)["findings"]["fiber-shear"]
+    assert "shear-strain" in {each["subject"] for each in findings}
+
+
+def test_the_rate_law_stands_in_the_short_answer(
+    file: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    law = ["--set", "steel.rate=S355", "--model", "four-dof"]
+    assert run(["simulate", file, *law, "--json"]) == 0
+    factor = json.loads(capsys.readouterr().out)["rate_factor"]
+    assert factor > 1.0
+    assert run(["simulate", file, *law]) == 0
+    assert f"{factor:.3g} times the static one by strain rate" in capsys.readouterr().out
+
+
+def test_the_headline_says_what_was_not_measured_and_what_is_expected(
+    file: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    light = ["--set", "striker.mass=3", "--model", "four-dof"]
+    assert run(["simulate", file, *light, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["headline"].endswith("; outside what was measured")
+    low = ["--set", "column.length_below=0.8", "--set", "striker.velocity=8", "--model", "four-dof"]
+    assert run(["simulate", file, *low, "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    error, peak = content["error"], 1e3 * content["peak_displacement"]
+    assert not error["low"] <= 0.0 <= error["high"]
+    said = f"; expected {peak / (1.0 + error['expected']):.1f}, 90 %: "
+    assert said in content["headline"].replace("\u00a0", " ")
+
+
 def test_all_numbers_with_full(file: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["simulate", file, "--model", "four-dof", "--full"]) == 0
     full = capsys.readouterr().out

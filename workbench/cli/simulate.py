@@ -68,7 +68,7 @@ def simulate(
     from workbench.assessment.variations import RATED, STATIC, Budget
     from workbench.desk.answers import Comparison, asked, simulate
     from workbench.desk.summary import as_object
-    from workbench.evidence.advice import quick_reference
+    from workbench.evidence.advice import no_reference, quick_reference
     from workbench.responses import outcome_of
     from workbench.scenarios import load_scenario
 
@@ -107,6 +107,8 @@ def simulate(
     content = as_object(first, given)
     other = named[reference] if len(named) > 1 else None
     content["reference"] = None if other is None else as_object(other, given)
+    if not model and not reference:
+        content["notes"].append(no_reference(given))
     shown = list(_blocks(first, given.name, content, full))
     if errors is not None:
         from workbench.report.chapters.budgets import simulated
@@ -160,6 +162,9 @@ def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -
     if answer["message"]:
         yield Paragraph(answer["message"])
     rows, other = list(_lines(answer)), answer["reference"]
+    if answer["rate_factor"] is not None:
+        text = f"{answer['rate_factor']:.3g} times the static one by strain rate, at the hinges"
+        rows.insert(1, ("yield stress", text))
     if other is not None:
         value, width = other[PEAK], (other["numerical_uncertainty"] or {}).get(PEAK, 0.0)
         known = "" if value is None else f", {in_unit(value, PEAK, width=width, kind=_KIND)}"
@@ -199,9 +204,6 @@ def _lines(answer: dict[str, Any]) -> Iterator[tuple[str, str]]:
     for name in ENERGIES:
         if energies[name] is not None:
             yield f"{VARIABLES[name].long_name}, at the end", in_unit(energies[name], name)
-    if answer["rate_factor"] is not None:
-        text = f"{answer['rate_factor']:.3f} times the static one, at the strain rate of the hinges"
-        yield "yield stress", text
     if energies["relative_balance_error"] is not None:
         error = energies["relative_balance_error"]
         yield "largest energy error over the input energy", f"{error:.1e}"

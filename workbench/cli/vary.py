@@ -152,10 +152,13 @@ def limit(
     scenario: ScenarioFile,
     over: str = option("Key of the scenario with a number.", VELOCITY, "KEY"),
     model: Names = option("Name of a model, once for each.  [default: by the scenario]", None),
-    first: float | None = option(
-        "End of the range that survives.  [default: 1 m/s]", None, flag="--from"
+    first: str | None = option(
+        "End of the range that survives, in SI or with a unit.  [default: 1 m/s]",
+        None,
+        "VALUE",
+        "--from",
     ),
-    last: float | None = option("End that may collapse.  [default: 60 m/s]", None, flag="--to"),
+    last: str | None = option("End that may collapse.  [default: 60 m/s]", None, "VALUE", "--to"),
     tolerance: float = option("Width of the bracket over its larger value.", 0.005),
     settings: Settings = None,
     options: Options = None,
@@ -167,10 +170,12 @@ def limit(
     scenario of the file. Exit status 0 if every model says where, or that it is not in the range,
     1 if one leaves that open, 2 for bad input.
     """
+    from workbench.desk.sweeps import unit_at
     from workbench.evidence.advice import choose
     from workbench.fields import Number
     from workbench.registry import make_model
     from workbench.scenarios import load_scenario
+    from workbench.scenarios.files import parse_value
     from workbench.study.limit import find_limit
 
     if "=" in over or over == "time.duration":
@@ -180,14 +185,17 @@ def limit(
     given = (first, last)
     if over != VELOCITY and None in given:
         raise InputError("--from, --to", None, f"must both be given for {over}")
-    ends = tuple(VELOCITIES[i] if end is None else end for i, end in enumerate(given))
-    if ends[0] == ends[1]:
-        raise InputError("--to", ends[1], "must be another value than --from")
 
-    def scenario_at(value: float) -> Scenario:
+    def scenario_at(value: Any) -> Scenario:
         return load_scenario(scenario, [*(settings or []), f"{over}={value!r}"])
 
-    checked = [scenario_at(end) for end in ends]  # both, before the work
+    texts = [VELOCITIES[i] if end is None else parse_value(end) for i, end in enumerate(given)]
+    values = [float(each) if type(each) is int else each for each in texts]
+    checked = [scenario_at(value) for value in values]  # both, before the work
+    unit = unit_at(checked[0], over)
+    ends = tuple(_in_si(over, value, unit) for value in values)
+    if ends[0] == ends[1]:
+        raise InputError("--to", ends[1], "must be another value than --from")
     with at_work("the search of the limit at work"):
         names = model or [choose(load_scenario(scenario, settings or [])).model]
         models = [make_model(each, pairs_of("--option", options)) for each in names]
@@ -195,35 +203,49 @@ def limit(
     content = {
         "scenario": checked[0].name,
         "over": over,
+        "unit": unit,
         "range": list(ends),
         "tolerance": tolerance,
-        "limits": [{**each.as_dict(), "said": _meaning(each, ends)} for each in limits],
+        "limits": [{**each.as_dict(), "said": _meaning(each, ends, unit)} for each in limits],
     }
-    shown = _limits(checked[0].name, over, limits, [_meaning(each, ends) for each in limits])
+    meanings = [_meaning(each, ends, unit) for each in limits]
+    shown = _limits(checked[0].name, over, unit, limits, meanings)
     return Answer(content, shown, int(not all(each.settled for each in limits)))
 
 
-def _meaning(limit: Limit, ends: tuple[float, ...]) -> str:
+def _in_si(over: str, value: Any, unit: str) -> float:
+    """An end of the range in the SI `unit` of its key, which has read it."""
+    from workbench.units import in_si
+
+    number = in_si(value, unit) if isinstance(value, str) and unit else value
+    if isinstance(number, bool) or not isinstance(number, float):
+        raise InputError(over, value, "must be a number", "or with a unit, such as 40 km/h")
+    return number
+
+
+def _meaning(limit: Limit, ends: tuple[float, ...], unit: str) -> str:
     """What the bracket means, in one sentence."""
     low, high = limit.survives_at, limit.collapses_at
     if high is None:
-        text = f"no collapse up to {ends[1]:g}" if limit.settled else "no collapse found"
+        text = f"no collapse up to {_text(ends[1], unit)}" if limit.settled else "no collapse found"
     elif low is None:
-        text = f"collapses already at {high:g}" if limit.settled else "no survival found"
+        text = f"collapses already at {_text(high, unit)}" if limit.settled else "no survival found"
     else:
         text = "turns from survival to collapse between the two"
     if limit.undecided:
         unknown = ", ".join(f"{trial.value:.6g}" for trial in limit.undecided)
-        text += f"; not known at {unknown}: {limit.undecided[0].message}"
+        text += f"; not known at {unknown}{unit and f' {unit}'}: {limit.undecided[0].message}"
     return text
 
 
-def _limits(name: str, over: str, limits: list[Limit], meanings: list[str]) -> Iterator[Block]:
-    yield Paragraph(f"{name}: limit of {over}, in the unit of the scenario")
+def _limits(
+    name: str, over: str, unit: str, limits: list[Limit], meanings: list[str]
+) -> Iterator[Block]:
+    yield Paragraph(f"{name}: limit of {over}{unit and f' in {unit}'}")
     columns = {
         "model": lambda row: row[0].model,
-        "survives at": lambda row: _value(row[0].survives_at),
-        "collapses at": lambda row: _value(row[0].collapses_at),
+        "survives at": lambda row: _value(row[0].survives_at, unit),
+        "collapses at": lambda row: _value(row[0].collapses_at, unit),
         "tried": lambda row: len(row[0].trials),
         "what that means": lambda row: row[1],
     }
@@ -232,7 +254,7 @@ def _limits(name: str, over: str, limits: list[Limit], meanings: list[str]) -> I
         yield from warnings(each.warnings, f" of {each.model} there")
     tried = {
         "model": lambda row: row[0],
-        over: lambda row: _value(row[1].value),
+        over: lambda row: _value(row[1].value, unit),
         "outcome": lambda row: _ENDINGS[row[1].survives],
         "how": lambda row: _how(row[1]),
     }
@@ -240,8 +262,14 @@ def _limits(name: str, over: str, limits: list[Limit], meanings: list[str]) -> I
     yield Table.of("tried", "Every value tried.", tried, rows)
 
 
-def _value(value: float | None) -> Cell | None:
-    return None if value is None else Cell(f"{value:.6g}", value)
+def _text(value: float, unit: str) -> str:
+    """A value with its SI unit; a velocity in km/h too."""
+    beside = f" ({3.6 * value:.4g} km/h)" if unit == "m/s" else ""
+    return f"{value:.6g}{unit and f' {unit}'}{beside}"
+
+
+def _value(value: float | None, unit: str) -> Cell | None:
+    return None if value is None else Cell(_text(value, unit), value)
 
 
 def _how(trial: Trial) -> str:

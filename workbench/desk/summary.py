@@ -10,6 +10,7 @@ from typing import Any
 import pandas as pd
 
 from workbench.content.formatting import in_unit, number, unit_of
+from workbench.evidence.advice import UNMEASURED
 from workbench.evidence.error_model import PEAK, ExpectedError
 from workbench.responses import (
     ENERGIES,
@@ -47,7 +48,10 @@ def headline(response: Response) -> str:
         name, value = next(iter(values.items()))
         parts.insert(0, f"{VARIABLES[name].long_name} {in_unit(value, name, 3)}")
     model, because = response.attrs["model"], response.attrs.get("because", "as asked")
-    return "; ".join((*filter(None, parts), f"by {model}, {because}"))
+    parts.append(f"by {model}, {because}")
+    if any(each.subject == UNMEASURED for each in findings_of(response)):
+        parts.append("outside what was measured")
+    return "; ".join(filter(None, parts))
 
 
 def fate_of(response: Response) -> str:
@@ -63,11 +67,15 @@ def fate_of(response: Response) -> str:
 
 
 def _interval(peak: float, error: ExpectedError) -> str:
+    """The interval of 90 %, and what is expected of an answer that lies outside of it."""
     if error.low is None or error.high is None:
         return ""
     factor = unit_of(PEAK).factor
     least, most = (number(peak / (1.0 + share) * factor, 3) for share in (error.high, error.low))
-    return f", 90 %: {least} to {most}"
+    middle = ""
+    if error.expected is not None and not error.low <= 0.0 <= error.high:
+        middle = f"; expected {number(peak / (1.0 + error.expected) * factor, 3)}"
+    return f"{middle}, 90 %: {least} to {most}"
 
 
 def error_of(response: Response) -> ExpectedError:

@@ -140,7 +140,7 @@ def sweep(
     rows: pd.DataFrame = pd.concat(answers, ignore_index=True)
     if (rows[OUTCOME] == Outcome.INVALID_INPUT.value).all():
         _ = varied[0]  # says why
-    named = {key: (each, {"units": _unit(given, key)}) for key, each in read.items()}
+    named = {key: (each, {"units": unit_at(given, key)}) for key, each in read.items()}
     if cases is None:
         return _dataset(
             rows, {"model": names, **{k: (k, *pair) for k, pair in named.items()}}, named
@@ -172,7 +172,7 @@ def _coordinate(tables: dict[str, Any], key: str, values: list[Any]) -> list[Any
     return [read.get(value, value) if isinstance(value, str) else value for value in values]
 
 
-def _unit(scenario: Any, key: str) -> str:
+def unit_at(scenario: Any, key: str) -> str:
     """The SI unit of a value of a scenario; empty of what has none."""
     *path, name = key.split(".")
     part = scenario

@@ -35,7 +35,7 @@ from workbench.scenarios import ColumnImpact
 
 ORDER = (ANCHOR, REFERENCE, FINEST)
 REMAINING = ("residual_displacement", "displacement", "peak_displacement")
-CLOSE = "close-to-collapse"  # subject
+CLOSE, UNMEASURED = "close-to-collapse", "error-not-measured"  # subjects
 NONE = "no model of more trust is inside its domain here"
 _BECAUSE = {  # subjects of warnings that a measured error replaces, as its cause
     "buckling": "the axial load bends what is deflected",
@@ -77,7 +77,7 @@ def advise(model: Model, scenario: Any, response: Response | None = None) -> lis
     Those of its domain before it answers; with a `response` those of that, and of its error.
     """
     if response is None:
-        return with_remedies(model, scenario, model.domain(scenario))
+        return with_remedies(model, scenario, _beforehand(model, scenario))
     return _advised(model, scenario, response)[0]
 
 
@@ -115,7 +115,7 @@ def judged(
     if not is_judged(model) or table_of(scenario) is None:
         return kept
     if error.chance is None:
-        return [*kept, finding("error-not-measured", reason=error.reason)]
+        return [*kept, finding(UNMEASURED, reason=error.reason)]
     replaced = [each for each in kept if not each.refusal and each.subject in _BECAUSE]
     causes = dict.fromkeys(_BECAUSE[each.subject] for each in replaced)
     return [*(each for each in kept if each not in replaced), *_about(error, ", ".join(causes))]
@@ -190,32 +190,45 @@ def better(name: str, scenario: Any) -> tuple[str, ...]:
     return next(((each,) for each in above if is_inside(each, scenario)), ())
 
 
-@lru_cache(maxsize=256)
+def no_reference(scenario: Any) -> str:
+    """Why `quick_reference` names none, in one sentence."""
+    return f"no reference inside its domain: {REFERENCE} ({'; '.join(doubts(REFERENCE, scenario))})"
+
+
 def is_inside(name: str, scenario: Any) -> bool:
     """Whether an installed model answers a scenario inside its domain, and is not warned of."""
+    return not doubts(name, scenario)
+
+
+@lru_cache(maxsize=256)
+def doubts(name: str, scenario: Any) -> tuple[str, ...]:
+    """Why a model is not inside its domain in a scenario; empty where it is."""
     model = _default_model(name)
-    if model is None or scenario.KIND not in model.answers:
-        return False
-    if name == REFERENCE and _shears_far(scenario):
-        return False
+    if model is None:
+        return ("it is not installed",)
+    if scenario.KIND not in model.answers:
+        return (f"it does not answer {scenario.KIND}",)
     try:
-        findings = [*model.domain(scenario), *with_strain_rate(model, scenario)[2]]
+        findings = [*_beforehand(model, scenario), *with_strain_rate(model, scenario)[2]]
         if name == ANCHOR and table_of(scenario) is not None:
             error = anchor_error(scenario)
             if error.chance is None:
-                return False
+                return (error.reason,)
             findings = judged(model, scenario, error, findings)
-    except WorkbenchError:  # it would refuse as it answers
-        return False
-    return not any(each.outside or each.refusal for each in findings)
+    except WorkbenchError as refused:  # it would refuse as it answers
+        return (str(refused),)
+    return tuple(each.text for each in findings if each.outside or each.refusal)
 
 
-def _shears_far(scenario: Any) -> bool:
-    """Whether a hit has the energy for larger plastic shear deformation than beams can follow."""
-    if not isinstance(scenario, ColumnImpact):
-        return False
-    hit = features(scenario)
-    return hit[DEMAND] > 1.0 and hit["turned"] > LARGEST_SHEAR_STRAIN
+def _beforehand(model: Model, scenario: Any) -> list[Finding]:
+    """What the domain of a model says, and whether the reference would shear too far."""
+    findings = list(model.domain(scenario))
+    if model.name != REFERENCE or not isinstance(scenario, ColumnImpact):
+        return findings
+    hit, largest = features(scenario), LARGEST_SHEAR_STRAIN
+    if hit[DEMAND] > 1.0 and hit["turned"] > largest:
+        findings.append(finding("shears-far", hit["turned"], largest=largest))
+    return findings
 
 
 @lru_cache(maxsize=len(ORDER))
