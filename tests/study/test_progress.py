@@ -16,10 +16,13 @@ def test_the_estimate_weighs_labels_by_their_own_cost() -> None:
     progress.begin("toy", [dear] * 3 + [cheap] * 5, 0, 2)
     assert progress.seconds_left() is None
     progress.advance(dear, Outcome.OK, 10.0)
-    assert progress.seconds_left() == pytest.approx((2 * 10.0 + 5 * 10.0) / 2)  # cheap not known
+    assert progress.seconds_left() is None  # five of seven cells are of a label without a time
+    assert progress.left == ""
     progress.advance(cheap, Outcome.CRASHED, 1.0)
     assert progress.seconds_left() == pytest.approx((2 * 10.0 + 4 * 1.0) / 2)
     assert progress.failed == 1
+    progress.begin("toy", [dear] * 9 + [cheap], 0, 2, {"dear": [10.0]})
+    assert progress.seconds_left() == pytest.approx(10 * 10.0 / 2)  # few unknown ones may
 
 
 def test_stored_cells_tell_what_their_labels_cost() -> None:

@@ -27,6 +27,9 @@ from workbench.study.manifest import write_manifest
 from workbench.study.store import Store
 
 
+KNOWN = 0.9  # share of the cells left whose labels have a time, from which there is an estimate
+
+
 class Progress:
     """Counts what the runner tells, and prints a plain line about every tenth of the run.
 
@@ -55,18 +58,19 @@ class Progress:
         self.began, self._jobs = time.monotonic(), jobs
         self._left = Counter(cell.label for cell in waiting)
         self._costs = {label: [*seconds] for label, seconds in costs.items()}
-        left = f", {self.left}" if self.total and {*self._left} <= {*self._costs} else ""
+        left = f", {self.left}" if self.left else ""
         self._say(f"{study}: {self.total} cells to answer, {stored} already stored{left}")
 
     def advance(self, cell: Cell, outcome: Outcome, seconds: float) -> None:
-        """A cell has been answered, in `seconds` of its worker's time."""
+        """A cell has been answered, in `seconds` as far as possible without compilation."""
         before = 10 * self.done // self.total
         self.done += 1
         self.failed += outcome.is_failure
         self._left[cell.label] -= 1
         self._costs.setdefault(cell.label, []).append(seconds)
         if before < 10 * self.done // self.total < 10:
-            self._say(f"{self.done} of {self.total} cells, {self.failures}{self.left}")
+            left = self.left or "time left not known yet"
+            self._say(f"{self.done} of {self.total} cells, {self.failures}{left}")
 
     def note(self, text: str) -> None:
         """Something that the user should know."""
@@ -83,11 +87,13 @@ class Progress:
             print(text, file=self.stream, flush=True)
 
     def seconds_left(self) -> float | None:
-        """Expected time left in s, from the mean cost of each label; None as long as none is known.
+        """Expected time left in s, from the mean cost of each label.
 
-        A label of which no cell has been answered, now or before, costs the mean of the others.
+        None until `KNOWN` of the cells left are of labels that have answered, now or before: dear
+        labels come first, and their mean says nothing of the others. Few others may cost it.
         """
-        if not self._costs:
+        known = sum(count for label, count in self._left.items() if label in self._costs)
+        if not self._costs or known < KNOWN * self._left.total():
             return None
         means = {label: fmean(costs) for label, costs in self._costs.items()}
         overall = fmean(chain.from_iterable(self._costs.values()))
@@ -101,8 +107,9 @@ class Progress:
 
     @property
     def left(self) -> str:
-        """The time left, in words."""
-        return f"about {timedelta(seconds=round(self.seconds_left() or 0.0))} left"
+        """The time left, in words; empty as long as it is not known."""
+        seconds = self.seconds_left() if self.total else None
+        return "" if seconds is None else f"about {timedelta(seconds=round(seconds))} left"
 
 
 class Bar(Progress):
@@ -230,7 +237,7 @@ def run_study(
             with closing(executor.run(tasks)) as results:
                 for result in results:
                     store.put(result.key, result.content, result.record)
-                    seconds = result.record["first_call"]
+                    seconds = result.record["wall_time"]  # of a further call where the first was short
                     progress.advance(by_key[result.key], result.outcome, seconds)
         finally:
             progress.end()
@@ -253,10 +260,10 @@ def _executor(jobs: int | None, scheduler: str | None) -> DaskCluster | Workers 
 
 
 def _costs(cells: Sequence[Cell], store: Store) -> dict[str, list[float]]:
-    """Seconds that the stored answers of each label took their workers."""
+    """Seconds of the stored answers of each label, as far as possible without compilation."""
     costs: dict[str, list[float]] = {}
     for cell in cells:
-        costs.setdefault(cell.label, []).append(store.record(cell.key)["first_call"])
+        costs.setdefault(cell.label, []).append(store.record(cell.key)["wall_time"])
     return costs
 
 
