@@ -366,6 +366,8 @@ study = Study(
         *ON_5_4,
     ),
     notes=(
+        "`flexible-superelement`, which `workbench simulate` and `workbench advise` take first for "
+        "such columns, has no row here: the study `which_model` judges it, on drawn columns.",
         "Cases without a word on the rate have the static yield stress, as the thesis: they are "
         "the reproduction. Those with rate have the law of S355 by default (D = 500 1/s, q = 5; "
         "its range, 100 to 7000 1/s, is a part of the error budget), whose references are the "

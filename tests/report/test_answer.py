@@ -13,6 +13,7 @@ from toy_models import Spring
 
 from workbench.content.terminal import render_text
 from workbench.content.tree import Bullets, Paragraph, Section, Table, walk
+from workbench.registry import model_names
 from workbench.report.build import build_report, document, summary
 from workbench.report.chapters.answer import (
     answer,
@@ -31,6 +32,7 @@ from workbench.report.stored import CellState, Stored
 from workbench.responses import Finding
 from workbench.scenarios import FrameImpact, FrameStriker
 from workbench.study import Case
+from workbench.study.definition import holds_data
 
 
 @pytest.fixture(scope="module")
@@ -89,8 +91,8 @@ def test_models_that_may_be_relied_on_are_named_first(stored: Stored) -> None:
     first = next(block for block in matrix(stored.study, stored))
     assert isinstance(first, Bullets)
     # no uncertainty of the reference is known: nobody knows whether 1 % is within 10 %
-    assert first.items[0].startswith("hit low: no model is surely within 10")
-    assert "nearest is close, peak off by up to 1\u2009%, numerical error not" in first.items[0]
+    nearest = "hit low: nearest is close, peak off by up to 1\u2009%, numerical error not known; "
+    assert first.items[0].startswith(f"{nearest}no model is shown to be within 10")
 
 
 @pytest.mark.parametrize("reference_falls", [False, True])
@@ -198,6 +200,19 @@ def test_numbers_stand_with_what_is_known_of_them(small: Stored, ranked: Stored)
     row = next(row for row in table.rows if row[0].text == "HEB 160, 0.5 L, 20 mps")
     assert "\u2009%" in row[1].text  # close, against the reference
     assert "\u2009%" not in row[-1].text
+
+
+def test_the_top_of_a_report_counts_models_and_says_what_a_quick_form_lacks(small: Stored) -> None:
+    quick = replace(small.study, name="small-quick", left_out="models solid")
+    form, counted, _ = document(quick, small, []).facts
+    assert form == "Quick form: without models solid; the full study, small, has them"
+    data = [label for label, model in quick.models.items() if holds_data(model)]
+    assert f", {len(quick.models) - len(data)} models" in counted
+    names = [str(b) for b in matrix(small.study, small) if "Names at the command" in str(b)]
+    assert len(names) == any(
+        label != model.name and model.name in model_names()
+        for label, model in small.study.models.items()
+    )
 
 
 def test_every_renderer_shows_the_same_cells(stored: Stored, tmp_path) -> None:

@@ -62,6 +62,23 @@ def indented(text: str, begin: str, end: str) -> str:
     return "\n".join(line.removeprefix("    ") for line in block.splitlines())
 
 
+def test_the_readme_says_of_the_flagship_what_its_summary_says() -> None:
+    root = STUDIES.parent
+    caption = " ".join((root / "README.md").read_text("utf-8").split("\n## Start")[0].split())
+    page = (root / "reports" / "README.md").read_text("utf-8").replace("\u2009", " ")
+    panels = r"4-DOF with panels, peak within (\d+) % of solid in all 3 cases, 1/(\d+)000 of"
+    (within, thousands), *_ = re.findall(panels, page)
+    assert f"within {within} % from 10 to 20 m/s, in 1/{thousands} 000 of its time" in caption
+    rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| ")]
+    heads = next(row for row in rows if row[0] == "| model")
+    webs = ("solid", "web-yielding", "4-DOF with panels", "energy with panels")
+    low = [row for row in rows if len(row) == len(heads) and not row[0].startswith(webs, 2)]
+    for columns, words in (((1, 2), "{} to {} % low in the mean"), ((4,), "{} to {} % with the")):
+        cells = (re.search(r"\u2212(\d+) \(", row[column]) for row in low for column in columns)
+        means = sorted(int(cell[1]) for cell in cells if cell)
+        assert words.format(means[0], means[-1]) in caption
+
+
 def test_the_study_of_the_guide_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     readme = (STUDIES.parent / "README.md").read_text(encoding="utf-8")
     guide = (STUDIES.parent / "docs" / "user-guide.md").read_text(encoding="utf-8")
@@ -124,5 +141,7 @@ def test_the_quick_form_says_what_it_leaves_out() -> None:
     )
     for label in set(study.models) - set(quick.models):
         assert label in quick.notes[-1]
+        assert label in quick.left_out
+    assert study.left_out == ""
     sweep = load_study(str(STUDIES / "column_sweep.py")).study.quickened()
     assert sweep.notes[-1].endswith("Left out: cases (69 of 81).")

@@ -26,7 +26,7 @@ from workbench.report.chapters import (
 from workbench.report.explorer import FILE, explorer
 from workbench.report.gallery import draw_all, save_all, save_png
 from workbench.report.stored import Stored
-from workbench.study.definition import Study
+from workbench.study.definition import Study, holds_data
 from workbench.study.store import own_directory, write_atomically
 from workbench.study.tables import table_bytes, workbook_bytes
 
@@ -119,11 +119,15 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         configuration.configuration(study, stored),
     ]
     sections = tuple(part for part in parts if part is not None)
-    facts = (
-        f"{count(len(study.cases), 'case')}, {count(len(study.models), 'model')}",
-        f"study: {study.name}",
-    )
-    whole = Document(study.title, "Validation report", facts, sections)
+    data = sum(map(holds_data, study.models.values()))
+    numbers = f", {count(data, 'set')} of published or measured numbers" if data else ""
+    models = count(len(study.models) - data, "model")
+    facts = [f"{count(len(study.cases), 'case')}, {models}{numbers}", f"study: {study.name}"]
+    if study.left_out:
+        whole_name = study.name.removesuffix("-quick")
+        form = f"Quick form: without {study.left_out}; the full study, {whole_name}, has them"
+        facts.insert(0, form)
+    whole = Document(study.title, "Validation report", tuple(facts), sections)
     return whole.marked(results.MARK) if stored.synthetic else whole
 
 

@@ -26,7 +26,6 @@ from workbench.study.executors import DaskCluster, InProcess, Workers
 from workbench.study.manifest import write_manifest
 from workbench.study.store import Store
 
-
 KNOWN = 0.9  # share of the cells left whose labels have a time, from which there is an estimate
 
 
@@ -237,7 +236,7 @@ def run_study(
             with closing(executor.run(tasks)) as results:
                 for result in results:
                     store.put(result.key, result.content, result.record)
-                    seconds = result.record["wall_time"]  # of a further call where the first was short
+                    seconds = result.record["wall_time"]  # of a second call, if there was one
                     progress.advance(by_key[result.key], result.outcome, seconds)
         finally:
             progress.end()

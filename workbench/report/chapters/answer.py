@@ -9,6 +9,7 @@ from workbench.assessment.budget import PEAK, RESIDUAL
 from workbench.content.formatting import duration, part, percent, title_of
 from workbench.content.page import Page
 from workbench.content.tree import Block, Cell, Column, Picture, Section, Table, marked
+from workbench.registry import model_names
 from workbench.report.chapters import choice, configuration, results, verdicts
 from workbench.report.chapters.budgets import budgets
 from workbench.report.chapters.choice import FAIR, Row
@@ -97,7 +98,10 @@ def matrix_rows(stored: Stored) -> list[MatrixRow]:
 
 def _time(row: Row) -> str:
     """The time of a model as a part of that of the reference, whose own is given in full."""
-    return duration(row["seconds"]) if row["label"] == row["against"] else part(row["ratio"])
+    if row["label"] == row["against"]:
+        return duration(row["seconds"])
+    ratio = part(row["ratio"])
+    return f"{ratio} {'of' if '/' in ratio else 'times'} {row['against']}"
 
 
 def matrix(study: Study, stored: Stored) -> tuple[Block, ...]:
@@ -113,7 +117,7 @@ def matrix(study: Study, stored: Stored) -> tuple[Block, ...]:
             Column(PAGE.words("column", group=group, row=row), width=2.1, of=partial(_of, group))
             for group, row in groups.items()
         ),
-        *([Column("time", width=0.7, of=lambda row: row.time or None)] if timed else []),
+        *([Column("time", width=1.1, of=lambda row: row.time or None)] if timed else []),
     )
     labels = {row.label for row in rows}
     return PAGE.blocks(
@@ -123,6 +127,7 @@ def matrix(study: Study, stored: Stored) -> tuple[Block, ...]:
         sentences=[] if anchored else [choice.trusted(study, stored, group) for group in groups],
         details=[choice.details(study, stored, group, row) for group, row in groups.items()],
         budgets=_budgeted(study, stored, groups),
+        commands=list(_commands(study, labels)),
         collapses=any(cell.collapse for cell in stored.cells.values()),
         others=list(_others(study, stored, labels - set(study.ranked))),
         static=any(row["quantity"] != PEAK for row in stored.rows["matrix"]),
@@ -130,6 +135,16 @@ def matrix(study: Study, stored: Stored) -> tuple[Block, ...]:
         timed=timed,
         reasons=list(_reasons(stored, labels)),
     )
+
+
+def _commands(study: Study, labels: Collection[str]) -> Iterator[str]:
+    """Registered models by name, each with the labels of the study that are not that name."""
+    by_name: dict[str, list[str]] = {}
+    for label, model in study.models.items():
+        if label in labels and label != model.name:
+            by_name.setdefault(model.name, []).append(label)
+    for name in sorted(by_name.keys() & set(model_names())):
+        yield f"{name} ({', '.join(by_name[name])})"
 
 
 def in_brief(study: Study, stored: Stored) -> tuple[Block, ...]:
@@ -177,7 +192,7 @@ def _cell(row: Row) -> MatrixCell:
         statement = _bias(row, PEAK)
         tone = "muted" if row["synthetic"] else _tone(row)
         if row[f"{RESIDUAL}_count"]:
-            details.append(f"residual {_bias(row, RESIDUAL)}")
+            details.append(f"residual displacement {_bias(row, RESIDUAL)}")
     elif row["reference"]:
         statement = PAGE.words("reference", known=row["known"])
     else:

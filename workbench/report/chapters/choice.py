@@ -108,7 +108,7 @@ def _ranked(study: Study, stored: Stored, group: str) -> dict[str, Row]:
 def _sure(study: Study, stored: Stored, group: str) -> list[Row]:
     """Models within `FAIR` with what is open, they and the reference in their domains.
 
-    The anchor of the error model comes first: where it is surely within, nothing else is to choose.
+    The anchor of the error model comes first: where it is within, nothing else is to choose.
     """
     rows = _ranked(study, stored, group).values()
     sure = [
@@ -121,7 +121,7 @@ def _sure(study: Study, stored: Stored, group: str) -> list[Row]:
 
 
 def _expected(study: Study, stored: Stored, group: str, label: str) -> Row:
-    """The error to expect of a label, in words, in the `case` where most is open."""
+    """The error to expect of a label, in words, in the least certain `case`."""
     names = study.groups.get(group, [case.name for case in study.cases])
     found = [
         (stored.number(name, label, "error_chance"), name)
