@@ -26,14 +26,14 @@ def stored(*rows: dict) -> SimpleNamespace:
     return SimpleNamespace(rows={"ranking": list(rows)}, costs={"panels": 0.01})
 
 
-def test_it_says_what_to_take_what_to_expect_and_what_is_not_surely_worse() -> None:
+def test_it_says_what_to_take_what_to_expect_and_what_is_not_clearly_worse() -> None:
     text = choice.best_ranked([FIRST, WORSE, EQUAL], {"panels": 0.01})
     assert text.startswith(
         "take panels; peak within 10\u2009% in 50 of 60, expect \u22122.0\u2009% ("
     )
     assert "false safe in 1" in text
     assert "no answer in 4" in text
-    assert "Not surely worse: frames." in text
+    assert "Not clearly worse (sign test): frames." in text
     assert "bars" not in text
     assert text.endswith("Time: 1/100 of the reference")
 
