@@ -48,6 +48,13 @@ def test_what_is_no_force_is_refused_in_one_line(text: str) -> None:
         Number(0.0, 1.0).check("striker.restitution", "0.5 m")
 
 
+@pytest.mark.parametrize(("text", "name"), [("45 kph", "kph"), ("45 m/sec", "sec")])
+def test_a_unit_that_is_not_known_is_named(text: str, name: str) -> None:
+    """Not only the range of the numbers, which is kept."""
+    with pytest.raises(InputError, match=f"unit {name} is not known; known are .* km, s, .*km/h"):
+        Number(0.0, 100.0, "m/s").check("striker.velocity", text)
+
+
 @given(st.decimals(-1000, 1000, allow_nan=False, places=3))
 def test_a_length_in_mm_is_the_nearest_number_in_m(length: object) -> None:
     assert in_si(f"{length} mm", "m") == float(f"{length}e-3")

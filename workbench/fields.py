@@ -10,8 +10,9 @@ from html import escape
 from typing import Any, ClassVar, Self
 
 from workbench.errors import InputError, shown
-from workbench.units import in_si
+from workbench.units import in_si, unknown_in
 
+DISTRIBUTION = "write a number; distributions are for `workbench fragility` and `sample`"
 _LIKE = {"m": '"3.2 m"', "m/s": '"90 km/h"', "N": '"500 kN"', "kg": '"1.5 t"', "Pa": '"355 MPa"'}
 
 
@@ -62,9 +63,8 @@ class Number(Rule):
         if isinstance(value, str):
             value = self._with_unit(path, value)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            many = "write a number; distributions are for `workbench fragility` and `sample`"
             quoted = "write a number without quotes"
-            raise self._refusal(path, value, many if isinstance(value, dict) else quoted)
+            raise self._refusal(path, value, DISTRIBUTION if isinstance(value, dict) else quoted)
         if isinstance(value, float) and not math.isfinite(value):
             raise self._refusal(path, value, "the number must be finite")
         # Compared as it is: whole numbers may lie beyond all floats.
@@ -82,7 +82,9 @@ class Number(Rule):
         if number is None:
             like = _LIKE.get(self.unit, "")
             more = like and f", or with a unit in quotes, such as {like}"
-            raise self._refusal(path, text, f"write a number without quotes{more}")
+            raise self._refusal(
+                path, text, f"{unknown_in(text)}write a number without quotes{more}"
+            )
         return number
 
 

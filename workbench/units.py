@@ -38,6 +38,15 @@ def in_si(text: str, unit: str) -> float | None:
     return float(Fraction(match[1]) * meant[0] / wanted[0])
 
 
+def unknown_in(text: str) -> str:
+    """Which name in the unit of a text is not known, to stand before advice; empty without one."""
+    match = _NUMBER.fullmatch(text) if len(text) <= 60 else None
+    factors = re.split(r"[\s*·/]+", match[2]) if match else ()
+    read = (_FACTOR.fullmatch(factor) for factor in factors)
+    name = next((each[1] for each in read if each and each[1] not in _NAMES), "")
+    return name and f"unit {name} is not known; known are products of {', '.join(_NAMES)}; "
+
+
 def _size(unit: str) -> Size | None:
     """What a unit is in SI; None for one that is not known."""
     value, powers = Fraction(1), [0, 0, 0]

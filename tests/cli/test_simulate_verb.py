@@ -6,11 +6,16 @@ import json
 import re
 import time
 from pathlib import Path
+from typing import Any
 
+import numba
 import pytest
 
 from workbench.cli import run
 from workbench.cli.output import at_work
+from workbench.cli.simulate import _time, _timed
+from workbench.models.four_dof import FourDof
+from workbench.scenarios import load_scenario
 
 COLUMN = """
 kind = "column-impact"
@@ -116,6 +121,27 @@ def test_several_models_stand_in_one_table(
         peak = f"{1e3 * each['peak_displacement']:.3g} mm"
         assert re.search(rf"(?m)^{each['model']} +stands +{re.escape(peak)}", text)
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(("again_below", "said"), [(1e9, " ms"), (0.0, "compiled")])
+def test_a_wall_time_holds_no_compilation(
+    again_below: float,
+    said: str,
+    file: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    class Compiling(FourDof):
+        def simulate(self, scenario: Any) -> Any:
+            numba.njit(lambda x: x + 1.0)(len(calls))
+            calls.append(scenario)
+            return super().simulate(scenario)
+
+    calls: list[Any] = []
+    monkeypatch.setattr("workbench.study.cells.TIMED_AGAIN_BELOW", again_below)
+    response = _timed(load_scenario(file), Compiling())
+    assert len(calls) == (2 if again_below else 1)
+    assert said.strip() in _time(response).text
 
 
 @pytest.mark.parametrize(

@@ -100,6 +100,8 @@ def test_copula_correlates_the_scores():
         ("{ normal = [1.0, -2.0] }", "standard deviation above 0"),
         ("{ normal = [1.0, 2.0], gumbel = [1.0, 2.0] }", "must name one law"),
         ("{ normal = [1.0, 2.0], middle = 3.0 }", "must name one law"),
+        ("{ mean = 1.0, cov = 0.1 }", r"is no known distribution.*normal = \[14.0, 2.0\]"),
+        ("{ gauss = [1.0, 2.0] }", "laws are normal, lognormal, gumbel"),
         ("{ normal = [1.0, 2.0], low = 5.0, high = 4.0 }", "between low and high"),
         ("{ lognormal = [-1.0, 2.0] }", "mean above 0"),
         ("{ weibull = [1.0, 20.0] }", "coefficient of variation"),

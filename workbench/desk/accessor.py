@@ -77,9 +77,15 @@ class Plots:
     reference: str = ""
 
     def history(self, quantity: str = "displacement", hinge: str = "") -> Axes:
-        """A `quantity` over time; pushed structures: force over displacement."""
+        """A `quantity` over time; pushed structures: force over displacement.
+
+        Where all have collapsed, and none is kept: the structure, as on the command line.
+        """
         if self.scenario.STATIC:
             return self.axes("force-displacement")[0]
+        fallen = all(outcome_of(each) is Outcome.COLLAPSE for each in self.responses.values())
+        if fallen and not self._followed:
+            return self.structure()
         return self.axes("history", quantity=quantity, hinge=hinge)[0]
 
     def structure(self) -> Axes:
@@ -113,10 +119,14 @@ class Plots:
         target = Path(path)
         if target.suffix.lower() not in (".png", ".svg", ".pdf"):
             raise InputError("plot", str(path), "must end in .png, .svg or .pdf")
-        followed = any({"time", "step"} & set(each.dims) for each in self.responses.values())
         usual = "force-displacement" if self.scenario.STATIC else "history"
-        chosen = kind or (usual if followed else "structure")
+        chosen = kind or (usual if self._followed else "structure")
         save(self._canvas(chosen, **options), target)
+
+    @property
+    def _followed(self) -> bool:
+        """Whether one of the answers has a history or a curve."""
+        return any({"time", "step"} & set(each.dims) for each in self.responses.values())
 
     def _canvas(self, kind: str, **options: Any) -> Canvas:
         canvas = self.drawing(kind, **options).canvas

@@ -114,8 +114,9 @@ def distribution_of(path: str, table: Mapping[str, Any]) -> Distribution:
     laws = [law for law in LAWS if law in table]
     unknown = sorted(set(table) - {*laws, "low", "high"})
     if len(laws) != 1 or unknown:
-        text = "must name one law, with low and high at most beside it"
-        raise InputError(path, dict(table), text, "such as { normal = [14.0, 2.0] }")
+        text = "is no known distribution: must name one law, with low and high at most beside it"
+        advice = f"such as {{ normal = [14.0, 2.0] }}; laws are {', '.join(LAWS)}"
+        raise InputError(path, dict(table), text, advice)
     law, given = laws[0], table[laws[0]]
     low, high = (_number(f"{path}.{end}", table.get(end, far)) for end, far in _ENDS)
     if law == "jcss":

@@ -20,6 +20,7 @@ from scipy.stats import qmc
 from workbench.arrays import Array
 from workbench.datafiles import open_input
 from workbench.errors import InputError
+from workbench.fields import DISTRIBUTION
 from workbench.scenarios import Scenario, scenario_from
 from workbench.scenarios.files import LARGEST_FILE, apply_override
 from workbench.scenarios.varied import Path_, Varied, put
@@ -130,7 +131,12 @@ def uncertain_from(tables: dict[str, Any]) -> UncertainScenario:
     plain = deepcopy(tables)
     for path, distribution in inputs.items():
         put(plain, path, distribution.middle)
-    scenario_from(plain)  # refuses what is wrong before any work
+    try:
+        scenario_from(plain)  # refuses what is wrong before any work
+    except InputError as error:
+        if error.advice == DISTRIBUTION and isinstance(error.value, Mapping):
+            distribution_of(error.field, error.value)  # says which laws are known
+        raise
     names = [".".join(map(str, path)) for path in inputs]
     return UncertainScenario(plain, inputs, _factor(names, pairs), text)
 
