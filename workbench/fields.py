@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Self
 from workbench.errors import InputError, shown
 from workbench.units import in_si, unknown_in
 
+_PLAIN = "write a number without quotes"
 DISTRIBUTION = "write a number; distributions are for `workbench fragility` and `sample`"
 _LIKE = {"m": '"3.2 m"', "m/s": '"90 km/h"', "N": '"500 kN"', "kg": '"1.5 t"', "Pa": '"355 MPa"'}
 
@@ -63,8 +64,7 @@ class Number(Rule):
         if isinstance(value, str):
             value = self._with_unit(path, value)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            quoted = "write a number without quotes"
-            raise self._refusal(path, value, DISTRIBUTION if isinstance(value, dict) else quoted)
+            raise self._refusal(path, value, DISTRIBUTION if isinstance(value, dict) else _PLAIN)
         if isinstance(value, float) and not math.isfinite(value):
             raise self._refusal(path, value, "the number must be finite")
         # Compared as it is: whole numbers may lie beyond all floats.
@@ -82,9 +82,7 @@ class Number(Rule):
         if number is None:
             like = _LIKE.get(self.unit, "")
             more = like and f", or with a unit in quotes, such as {like}"
-            raise self._refusal(
-                path, text, f"{unknown_in(text)}write a number without quotes{more}"
-            )
+            raise self._refusal(path, text, f"{unknown_in(text)}{_PLAIN}{more}")
         return number
 
 

@@ -13,7 +13,7 @@ import pytest
 
 from workbench.cli import run
 from workbench.cli.output import at_work
-from workbench.cli.simulate import _time, _timed
+from workbench.cli.simulate import time_of, timed
 from workbench.models.four_dof import FourDof
 from workbench.scenarios import load_scenario
 
@@ -139,9 +139,9 @@ def test_a_wall_time_holds_no_compilation(
 
     calls: list[Any] = []
     monkeypatch.setattr("workbench.study.cells.TIMED_AGAIN_BELOW", again_below)
-    response = _timed(load_scenario(file), Compiling())
+    response = timed(load_scenario(file), Compiling())
     assert len(calls) == (2 if again_below else 1)
-    assert said.strip() in _time(response).text
+    assert said.strip() in time_of(response).text
 
 
 @pytest.mark.parametrize(

@@ -86,8 +86,8 @@ def simulate(
     values = pairs_of("--option", options)
     chosen = {name: asked(name, **values) for name in model or ()}  # all, before the work
     with at_work(f"{', '.join(model) if model else 'the model of the advice'} at work"):
-        answers = {name: _timed(given, each) for name, each in chosen.items()}
-        answers = answers or {"": _timed(given, **values)}
+        answers = {name: timed(given, each) for name, each in chosen.items()}
+        answers = answers or {"": timed(given, **values)}
     first = next(iter(answers.values()))
     reference = "" if model else quick_reference(given)
     if reference and reference != first.attrs["model"]:
@@ -136,7 +136,7 @@ def _write(target: Path, scenario: Scenario, response: Response) -> None:
         write_atomically(target, to_netcdf_bytes(response))
 
 
-def _timed(scenario: Scenario, model: Model | None = None, **options: Any) -> Response:
+def timed(scenario: Scenario, model: Model | None = None, **options: Any) -> Response:
     """The answer of a model; where kernels were compiled for it, with the time of a second run.
 
     That of a long one is not repeated, as in studies, and says `compiled`.
@@ -157,7 +157,7 @@ def _timed(scenario: Scenario, model: Model | None = None, **options: Any) -> Re
     return response
 
 
-def _time(response: Response) -> Cell:
+def time_of(response: Response) -> Cell:
     """The wall time of an answer, unless compilation may be a part of it."""
     from workbench.content.formatting import duration
 
@@ -177,7 +177,7 @@ def _table(compared: Comparison, objects: list[dict[str, Any]]) -> Iterator[Bloc
         "fate": lambda row: fate_of(compared[row["model"]]),
         **quantities(*TABLED),
         "error of the peak": lambda row: str(ExpectedError(**row["error"])),
-        "wall time": lambda row: _time(compared[row["model"]]),
+        "wall time": lambda row: time_of(compared[row["model"]]),
     }
     yield Table.of("models", compared.scenario.name, columns, objects)
     for each in objects:
@@ -191,7 +191,7 @@ def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -
     yield Paragraph(f"{name}: {answer['headline']}")
     if answer["message"]:
         yield Paragraph(answer["message"])
-    rows, other = [*_lines(answer), ("wall time", _time(response).text)], answer["reference"]
+    rows, other = [*_lines(answer), ("wall time", time_of(response).text)], answer["reference"]
     if answer["rate_factor"] is not None:
         text = f"{answer['rate_factor']:.3g} times the static one by strain rate, at the hinges"
         rows.insert(1, ("yield stress", text))
