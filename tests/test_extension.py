@@ -190,7 +190,7 @@ def add_metric(root: Path) -> None:
 
 def add_figure(root: Path) -> None:
     (root / "workbench/report/figures/bars.py").write_text(FIGURE)
-    line = '    "budget": "budget.draw",\n'
+    line = '    "budget": "values.budget",\n'
     swap(root / "workbench/report/figures/__init__.py", line, f'    "bars": "bars.draw",\n{line}')
 
 
@@ -232,8 +232,9 @@ def add_scalar(root: Path) -> None:
     swap(root / "workbench/responses/variables.csv", line, line + more)
     swap(
         root / "workbench/models/energy_estimate.py",
-        '"peak_displacement": ',
-        '"largest_velocity": scenario.striker.velocity, "peak_displacement": ',
+        '"peak_displacement": peak,\n            "res',
+        '"largest_velocity": scenario.striker.velocity,\n            "peak_displacement": peak,'
+        '\n            "res',
     )
 
 

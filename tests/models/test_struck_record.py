@@ -32,7 +32,7 @@ def both(
 ) -> list[Record]:
     """The record of an impact, many states at a time, and one that sees its states one by one.
 
-    Until the frame collapses, if it does; then what is said of that is in `found` of both.
+    Until the frame collapses, if it does; then what is said of that is in `kept` of both.
     """
     own, records, parts, before = impact.striker, [], [], 0.0
     step = impact.duration / 1500  # in two parts
@@ -58,8 +58,8 @@ def both(
                         energies = StepEnergies(0.0, float(plastic[row]), 0.0, 0.0)
                         record.take(TimeStep(step, energies, 0.0, 0.0, time=time), time)
         except CollapseError as error:
-            structure.found["collapse"] = str(error), error.collapse
-    assert parts == [2, 2] or "collapse" in records[0].structure.found
+            structure.kept["collapse"] = str(error), error.collapse
+    assert parts == [2, 2] or "collapse" in records[0].structure.kept
     return records
 
 
@@ -91,7 +91,7 @@ def test_a_collapse_is_found_in_the_same_state(
 ) -> None:
     impact = as_frame(thesis_impact.at_velocity(80.0))
     assert isinstance(impact, FrameImpact)
-    said = [r.structure.found["collapse"] for r in both(RigidSuperelement(), impact)]
+    said = [r.structure.kept["collapse"] for r in both(RigidSuperelement(), impact)]
     assert said[0] == said[1]
 
 
