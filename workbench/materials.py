@@ -56,7 +56,7 @@ GRADES: Mapping[str, tuple[float, CowperSymonds]] = {
 
 
 # Lower yield stress (Pa) up to these thicknesses (m): EN 10025-2:2019 table 6; EN 10210-1 the same
-# for S235 and S355.
+# for S235 and S355. Not verified in print.
 THICKNESSES = (0.016, 0.040, 0.063, 0.080, 0.100)
 _YIELD: Mapping[str, tuple[float, ...]] = {
     "S235": (235e6, 225e6, 215e6, 215e6, 215e6),
