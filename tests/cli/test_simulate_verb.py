@@ -47,6 +47,7 @@ def test_without_a_model_the_advice_answers_beside_a_reference(
     assert least < reference < most
     assert run(["simulate", file]) == 0
     lines = capsys.readouterr().out.replace("\u00a0", " ").splitlines()
+    assert any("error of the largest contact force was not measured" in line for line in lines)
     assert lines[0] == f"column-impact: {sentence}"
     assert [line[:2] for line in lines[1:7]] == ["  "] * 5 + ["Er"]  # five rows, the error
     assert "by fiber-shear, a reference" in lines[2]

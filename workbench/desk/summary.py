@@ -33,6 +33,10 @@ UPPER_BOUND = (  # no warning: it holds of most scenarios and says nothing about
     "the striker is rigid; if it is a vehicle this is an upper bound, as its front crushes "
     "(striker.stiffness or striker.crush)"
 )
+FORCE_UNMEASURED = (
+    "the error of the largest contact force was not measured; it hangs on the mass that a model "
+    "gives the hit point, and models that agree in displacement differ in it"
+)
 TABLED = (PEAK, "time_of_peak", "residual_displacement", "peak_force", "impulse")
 
 
@@ -141,7 +145,7 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         "places": places_of(response),
         **_parts(response, scenario),
         "rate_factor": response.attrs.get("rate_factor"),
-        "notes": [UPPER_BOUND] if _is_rigid_vehicle(scenario) else [],
+        "notes": _notes(scenario, last("peak_force") is not None),
         "error": attribute("error"),
         "numerical_uncertainty": attribute("numerical_uncertainty"),
         "refinement": attribute("refinement"),
@@ -173,10 +177,13 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     return result
 
 
-def _is_rigid_vehicle(scenario: Scenario) -> bool:
-    """Whether a rigid striker hits that is as heavy as a vehicle."""
+def _notes(scenario: Scenario, has_force: bool) -> list[str]:
+    """What to know of an answer to a hit: a rigid vehicle, a contact force without an interval."""
     striker = getattr(scenario, "striker", None)
-    return striker is not None and striker.mass >= LIGHTEST and not striker.crushes
+    if striker is None:
+        return []
+    rigid = striker.mass >= LIGHTEST and not striker.crushes
+    return [UPPER_BOUND] * rigid + [FORCE_UNMEASURED] * has_force
 
 
 def _parts(response: Response, scenario: Scenario) -> dict[str, Any]:
