@@ -14,10 +14,20 @@ from workbench.study import load_study
 STUDY = Path(__file__).parents[2] / "studies" / "rate_columns.py"
 
 
+BEYOND = pytest.mark.xfail(strict=True, reason="-3.02 % on an IPE 360, on two meshes of fibers")
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("ratio", [0.002, 0.01])
-@pytest.mark.parametrize("rate", [None, MILD_STEEL], ids=["static", "rate"])
-def test_eight_columns_that_harden(ratio: float, rate: CowperSymonds | None) -> None:
+@pytest.mark.parametrize(
+    ("rate", "ratio"),
+    [
+        (None, 0.002),
+        pytest.param(None, 0.01, marks=BEYOND),
+        (MILD_STEEL, 0.002),
+        (MILD_STEEL, 0.01),
+    ],
+)
+def test_eight_columns_that_harden(rate: CowperSymonds | None, ratio: float) -> None:
     """The first eight of the study that are clamped, guided and hit from 0.21 L on."""
     columns = (case.scenario for case in load_study(str(STUDY)).study.cases)
     supported = (
@@ -34,6 +44,4 @@ def test_eight_columns_that_harden(ratio: float, rate: CowperSymonds | None) -> 
         hit = replace(impact, column=replace(impact.column, steel=steel), duration=0.4)
         peaks = (float(each.simulate(hit)["peak_displacement"]) for each in (model, fibers))
         errors.append(next(peaks) / next(peaks) - 1.0)
-    # measured: 31 of 32 within 3 %, the other -3.02 % (IPE 360, 0.01 E, on two meshes of fibers)
-    assert sum(abs(each) < 0.03 for each in errors) >= 7
-    assert max(map(abs, errors)) < 0.031
+    assert max(map(abs, errors)) <= 0.03
