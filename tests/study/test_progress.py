@@ -53,6 +53,19 @@ def test_lines_are_few_and_say_what_is_left(toy_study: Study) -> None:
     assert text[-1].startswith("120 of 120 cells answered, 60 failed, in ")
 
 
+def test_a_slow_run_is_not_silent(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("workbench.study.runner.SILENCE", -1.0)
+    stream, cell = io.StringIO(), SimpleNamespace(label="dear")
+    lines = Progress(stream)
+    lines.begin("toy", [cell] * 40, 0, 1, {"dear": [60.0]})
+    for _ in range(2):
+        lines.advance(cell, Outcome.OK, 60.0)
+    assert stream.getvalue().splitlines()[1:] == [
+        "1 of 40 cells, about 0:39:00 left",
+        "2 of 40 cells, about 0:38:00 left",
+    ]
+
+
 def test_a_bar_on_a_terminal_only() -> None:
     class Terminal(io.StringIO):
         def isatty(self) -> bool:

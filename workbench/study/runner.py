@@ -26,17 +26,18 @@ from workbench.study.executors import DaskCluster, InProcess, Workers
 from workbench.study.manifest import write_manifest
 from workbench.study.store import Store
 
+SILENCE = 60.0  # s, between two lines of a run that goes to a file
 KNOWN = 0.9  # share of the cells left whose labels have a time, from which there is an estimate
 
 
 class Progress:
-    """Counts what the runner tells, and prints a plain line about every tenth of the run.
+    """Counts what the runner tells; a plain line every tenth of the run, and every `SILENCE` s.
 
     Without a `stream` it says nothing.
     """
 
     total = done = failed = 0
-    began = 0.0
+    began = _last = 0.0
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self.stream = stream
@@ -67,7 +68,8 @@ class Progress:
         self.failed += outcome.is_failure
         self._left[cell.label] -= 1
         self._costs.setdefault(cell.label, []).append(seconds)
-        if before < 10 * self.done // self.total < 10:
+        silent = time.monotonic() - self._last > SILENCE and self.done < self.total
+        if silent or before < 10 * self.done // self.total < 10:
             left = self.left or "time left not known yet"
             self._say(f"{self.done} of {self.total} cells, {self.failures}{left}")
 
@@ -82,6 +84,7 @@ class Progress:
             self._say(f"{self.done} of {self.total} cells answered, {self.failures}in {took}")
 
     def _say(self, text: str) -> None:
+        self._last = time.monotonic()
         if self.stream is not None:
             print(text, file=self.stream, flush=True)
 
