@@ -356,7 +356,9 @@ def test_report_hands_the_store_to_the_builder(
     found = json.loads(capsys.readouterr().out)
     assert found["files"] == {"html": str(directory / "report.html")}
     assert run(["report", str(study_file), *where, "--format", "html"]) == 0
-    assert "No explorer: no answer of this study moves in time." in capsys.readouterr().out
+    assert (
+        "No explorer: no answer of this study is a history or a curve." in capsys.readouterr().out
+    )
 
 
 def test_an_unknown_kind_of_figure_stops_the_run_before_it_begins(

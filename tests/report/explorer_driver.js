@@ -113,7 +113,7 @@
   at("none").click();
   set(at("time"), 7, "input");
   set(at("case"), found.cases.at(-2) ?? found.cases[0], "change");
-  set(at("y"), "peak", "change");
+  set(at("y"), "main", "change");
   const between = view();
   location.hash = kept;
   await wait(100);

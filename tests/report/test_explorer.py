@@ -22,15 +22,15 @@ from hypothesis import strategies as st
 from synthetic_study import Synthetic, columns, shared_store_of
 from toy_models import Troubled
 
-from workbench.models.base import respond
+from workbench.models.base import Answering, respond
 from workbench.references.refine import refined
 from workbench.report.chapters.answer import matrix_rows
 from workbench.report.explorer import LARGEST, explorer
 from workbench.report.explorer.cells import FINE, packed
 from workbench.report.stored import Stored
-from workbench.responses import Finding
+from workbench.responses import Finding, build_response
 from workbench.responses.uncertainty import uncertainty_of
-from workbench.scenarios import ColumnImpact, ColumnPushover, Striker
+from workbench.scenarios import ColumnImpact, ColumnPushover, Striker, UncertainImpact
 from workbench.sections import find
 from workbench.study import Case, Study
 
@@ -156,7 +156,8 @@ def test_curves_are_those_that_were_stored(stored, page):
     assert moved.max() == pytest.approx(response["displacement"].values.max(), rel=1e-4)
     band = {name: unpacked(kept)[:, 0] for name, kept in cell["band"].items()}
     top = int(np.argmin(np.abs(band["t"] - float(response["time_of_peak"]))))
-    assert band["w"][top] == pytest.approx(uncertainty_of(response, "peak_displacement"), rel=0.05)
+    half = (band["high"][top] - band["low"][top]) / 2.0
+    assert half == pytest.approx(uncertainty_of(response, "peak_displacement"), rel=0.05)
     spent = unpacked(cell["energy"]["parts"]["dissipated"])[-1, 0]
     assert spent == pytest.approx(response["dissipated"].values[-1], rel=1e-4)
     shape = cell["shape"]
@@ -214,6 +215,82 @@ def test_a_study_without_motion_has_no_page(stored):
     assert explorer(study, Stored(stored.directory, study)) is None
 
 
+UNCERTAIN = """kind = "column-impact"
+[column]
+section = "HEB 220"
+length_below = 1.0
+length_above = 2.0
+[striker]
+mass = 1500.0
+velocity = { normal = [10.0, 1.0] }
+"""
+
+
+@dataclass(frozen=True)
+class Curves(Answering):
+    """A fragility curve that rises from the limit in m times `at`."""
+
+    at: float = 100.0
+
+    name: ClassVar[str] = "synthetic-curves"
+    version: ClassVar[int] = 1
+    answers: ClassVar[tuple[str, ...]] = (UncertainImpact.KIND,)
+    assumptions: ClassVar[tuple[str, ...]] = ("A straight line.",)
+    sources: ClassVar[tuple[str, ...]] = ()
+
+    def domain(self, scenario: Any) -> list[Finding]:
+        return []
+
+    def _solve(self, scenario: Any) -> Any:
+        response, first = build_response({}), self.at * scenario.displacement
+        edges = {"median": 0.0, "low": -0.05, "high": 0.05}
+        response["curve.velocity"] = ("curve", np.linspace(first, first + 10.0, 101))
+        for name, shift in edges.items():
+            response[f"curve.{name}"] = ("curve", np.clip(np.linspace(0, 1, 101) + shift, 0, 1))
+        for share in (10, 50, 90):
+            response[f"velocity.at_{share}"] = ((), first + share / 10.0)
+        for values in response.data_vars.values():
+            values.attrs = {"units": "1", "long_name": "synthetic"}
+        response.attrs["sampling_uncertainty"] = json.dumps({"velocity.at_50": 0.5})
+        return response
+
+
+@pytest.fixture(scope="module")
+def curves_page(tmp_path_factory) -> str:
+    def case(limit: float) -> Case:
+        impact = UncertainImpact(f"{limit:g} m", tuple(UNCERTAIN.splitlines()), 1.0, 50.0, limit)
+        return Case(f"limit {limit:g} m", impact, parameters={"limit in m": limit})
+
+    study = Study(
+        "fragile",
+        "Curves",
+        "How probable?",
+        (case(0.1), case(0.2)),
+        {"best": Curves(), "late": Curves(110.0)},
+        "best",
+        quantities=("velocity.at_50",),
+    )
+    text = explorer(study, shared_store_of(study, tmp_path_factory))
+    assert text is not None
+    return text
+
+
+def test_curves_of_probability_are_explored_by_velocity_and_limit(curves_page):
+    data = data_of(curves_page)
+    assert data["plane"]["across"][:2] == ["impact velocity", "m/s"]
+    assert [case["at"] for case in data["cases"]] == [{"limit in m": 0.1}, {"limit in m": 0.2}]
+    cell = cell_of(data, "limit 0.2 m", "late")
+    assert (cell["main"], cell["begin"]) == (27.0, 27.0)
+    assert cell["text"]["velocity.at_50"] == "27.00 ± 0.50\u00a0m/s (sampling)"
+    assert cell["error"] == pytest.approx(2.0 / 25.0)
+    velocity, probability = (unpacked(cell[name])[:, 0] for name in ("t", "d"))
+    assert np.interp(25.0, velocity, probability) == pytest.approx(0.3, abs=1e-3)
+    low, high = (unpacked(cell["band"][name])[:, 0] for name in ("low", "high"))
+    assert high[50] - low[50] == pytest.approx(0.1, abs=1e-3)
+    assert "Deformed shape" not in curves_page
+    assert "Where the energy is" not in curves_page
+
+
 # What follows needs a browser: the pages drive themselves in frames of two widths.
 
 
@@ -240,23 +317,45 @@ addEventListener("message", (event) => {{
   document.querySelector("pre").textContent = JSON.stringify(found);
 }});</script>"""
 
+SLIDES = """(() => {
+  const at = (id) => document.getElementById(id), found = { errors: window.noted };
+  const set = (control, value) => {
+    control.value = value;
+    control.dispatchEvent(new Event("input", { bubbles: true }));
+    return [at("case").value, at("clock").textContent,
+      [...document.querySelectorAll("#models .value")].map((one) => one.textContent)];
+  };
+  found.start = set(at("time"), at("time").value);
+  found.limits = [0, 1].map((stop) => set(document.querySelector("[data-axis]"), stop));
+  found.velocities = [0, 200, 400].map((place) => set(at("time"), place));
+  found.overflow = document.documentElement.scrollWidth - innerWidth;
+  parent.postMessage(JSON.stringify(found), "*");
+})()"""
+
 
 @pytest.fixture(scope="module")
-def driven(page, frame_page, tmp_path_factory) -> list[dict[str, Any]]:
-    """What the driver found on the columns at 1400 and at 390 px, and on the frames."""
+def driven(page, frame_page, curves_page, tmp_path_factory) -> list[dict[str, Any]]:
+    """What the driver found on the columns at 1400 and at 390 px, on the frames, on the curves."""
     program = browser()
 
     def drive(directory: Path) -> None:
         directory.mkdir(parents=True)
-        script = Path(__file__).with_name("explorer_driver.js").read_text(encoding="utf-8")
-        pages = {"columns": page, "frames": frame_page}
+        histories = Path(__file__).with_name("explorer_driver.js").read_text(encoding="utf-8")
+        scripts = {"histories": histories, "curves": SLIDES}
+        pages = {"columns": page, "frames": frame_page, "curves": curves_page}
         for name, text in pages.items():
+            script = scripts["curves" if name == "curves" else "histories"]
             text = text.replace("<style>", f"{FIRST}<style>", 1)
             text = text.replace("</body>", f"<script>{script}</script></body>")
             (directory / f"{name}.html").write_text(text, encoding="utf-8")
         shown = "".join(
             f'<iframe src="{name}.html" width="{width}" height="900"></iframe>'
-            for name, width in (("columns", 1400), ("columns", 390), ("frames", 1400))
+            for name, width in (
+                ("columns", 1400),
+                ("columns", 390),
+                ("frames", 1400),
+                ("curves", 390),
+            )
         )
         (directory / "around.html").write_text(AROUND.format(frames=shown), encoding="utf-8")
         command = [program, "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom"]
@@ -269,10 +368,15 @@ def driven(page, frame_page, tmp_path_factory) -> list[dict[str, Any]]:
     directory = made_once(tmp_path_factory, "explorer", drive)
     dumped = (directory / "found.html").read_text(encoding="utf-8")
     found = json.loads(unescape(re.search(r"<pre>(.*?)</pre>", dumped, re.S).group(1)))
-    assert len(found) == 3
+    assert len(found) == 4
     for each in found:
         assert each["errors"] == []
     return found
+
+
+@pytest.fixture
+def driven_curves(driven) -> dict[str, Any]:
+    return driven[3]
 
 
 @pytest.fixture(params=[0, 1], ids=["1400 px", "390 px"])
@@ -281,11 +385,21 @@ def seen(request, driven) -> dict[str, Any]:
 
 
 def test_a_page_fits_its_screen_and_names_its_controls(driven):
-    for found, width in zip(driven, (1400, 390, 1400), strict=True):
+    for found, width in zip(driven[:3], (1400, 390, 1400), strict=True):
         assert found["width"] == width
         assert found["overflow"] <= 0
         assert found["after"] <= 0
         assert found["unnamed"] == []
+
+
+def test_sliders_over_limit_and_velocity_give_probabilities(driven_curves):
+    assert driven_curves["start"][0] == "limit 0.1 m"
+    assert driven_curves["start"][2] == ["0.500", "0.400"]
+    assert [case for case, _, _ in driven_curves["limits"]] == ["limit 0.1 m", "limit 0.2 m"]
+    clocks, values = zip(*[each[1:] for each in driven_curves["velocities"]], strict=True)
+    assert clocks == ("20.0 m/s", "26.0 m/s", "32.0 m/s")
+    assert values == (["0", "0"], ["0.600", "0.400"], ["1.00", "1.00"])
+    assert driven_curves["overflow"] <= 0
 
 
 def test_it_opens_with_a_case_and_its_models(seen):
@@ -337,7 +451,7 @@ def test_boxes_show_and_hide_models(seen):
     history, shape, download, says = seen["nothing"]
     assert "none is shown" in history
     assert "None of the models shown states a deformed shape" in shape
-    assert download == "No history is shown: there is nothing to download."
+    assert download == "No curve is shown: there is nothing to download."
     assert says == "No model shown has answered with numbers."
 
 
@@ -386,7 +500,7 @@ def test_cells_of_the_matrix_lead_to_their_worst_case(seen, stored):
 
 
 def test_time_moves_shapes_and_energies(driven):
-    for found in driven:
+    for found in driven[:3]:
         clocks = [each[0] for each in found["times"]]
         assert clocks[0] == "0 ms"
         assert len(set(clocks)) == 3
@@ -401,7 +515,7 @@ def test_time_moves_shapes_and_energies(driven):
 
 
 def test_it_plays_and_pauses(driven):
-    for found in driven:
+    for found in driven[:3]:
         idle, running, during, paused, stopped, still, ended, last = found["play"]
         assert (idle, running, paused, ended) == ("Play", "Pause", "Play", "Play")
         assert 0.0 < during <= stopped == still < last
@@ -425,11 +539,11 @@ def test_histories_are_downloaded(seen, stored):
     peak = stored.number(case, "reference", "peak_displacement")
     assert top == pytest.approx(peak, rel=1e-3)
     assert seen["download"] == "explored-HEA-240-20-m-s.csv"
-    assert seen["told"] == f"{len(table)} points of 3 histories."
+    assert seen["told"] == f"{len(table)} points of 3 curves."
 
 
 def test_a_link_restores_the_view(driven):
-    for found in driven:
+    for found in driven[:3]:
         before, between, after = found["restored"]
         assert before == after
         assert before != between

@@ -190,7 +190,7 @@ def report(
     }
     shown = [*in_brief(chosen, stored), Definitions(tuple(content["files"].items()))]
     if "html" in files and "explorer" not in files:
-        shown.append(Paragraph("No explorer: no answer of this study moves in time."))
+        shown.append(Paragraph("No explorer: no answer of this study is a history or a curve."))
     return Answer(content, tuple(shown))
 
 

@@ -46,7 +46,7 @@ def build_report(
     Arguments: `stored`, the study in the form that was run; `formats`, any of html, pdf, and the
     tables as sheets of one workbook (xlsx) or as files (parquet); `out`, where to write (default:
     ``report`` in the store). Returns the path of each format, of the ``figures`` with their
-    numbers, and beside html of the ``explorer`` of a study in which something moves in time.
+    numbers, and beside html of the ``explorer`` of a study with histories or curves.
     Equal stores give equal bytes, but for workbooks.
     Raises `InputError` for an unknown format, a study without results, a figure of unknown kind
     or a directory that cannot be written.

@@ -23,15 +23,18 @@ from workbench.report.drawing.style import INTERVAL, looks
 from workbench.report.explorer.cells import (
     DETAILS,
     FINE,
+    FRAGILITIES,
+    HISTORIES,
     ROUGH,
     Detail,
+    Plane,
     Record,
     numbers_of,
     record_of,
 )
 from workbench.report.figures.curves import PARTS
 from workbench.report.stored import CellState, Stored
-from workbench.scenarios import FrameImpact
+from workbench.scenarios import FrameImpact, UncertainImpact
 from workbench.study.definition import Case, Study
 from workbench.study.matrix import ALL, against_governing
 from workbench.study.tables import rows_of
@@ -47,24 +50,27 @@ Rows = list[dict[str, Any]]
 
 
 def explorer(study: Study, stored: Stored, largest: int = LARGEST) -> str | None:
-    """HTML of the explorer from stored results, None for a study in which nothing moves in time.
+    """HTML of the explorer from stored results, None for a study without histories or curves.
 
     `largest`, bytes that the page may take: curves are thinned until they fit, or are as rough as
     they may be. Equal stores give equal text.
     """
-    cases = tuple(_cases(study, stored))
+    uncertain = any(isinstance(case.scenario, UncertainImpact) for case in study.cases)
+    plane = FRAGILITIES if uncertain else HISTORIES
+    cases = tuple(_cases(study, stored, plane))
     if not any(cell.record for case in cases for cell in case.answers):
         return None
     made = [block.text for block in results.synthetic(stored) if isinstance(block, Callout)]
     title = f"{results.MARK if made else ''}{study.title}"
     matrix, models, text = matrix_rows(stored), _models(study), ""
     shown = {"study": study, "title": title, "made": made, **_seen(study, cases, matrix, models)}
-    fixed = _fixed(study, stored.synthetic, matrix, models)
+    shown |= {"plane": plane, "moves": plane is HISTORIES}
+    fixed = {**_fixed(study, stored.synthetic, matrix, models), "plane": plane._asdict()}
     for detail in DETAILS:
         texts: dict[str, int] = {"": 0}
         kept = [case.kept(detail, texts) for case in cases]
         data = {**fixed, "cases": kept, "texts": list(texts)}
-        text = _page(data, {**shown, "thinned": _thinned(cases, detail)})
+        text = _page(data, {**shown, "thinned": _thinned(cases, detail, plane)})
         if len(text.encode()) <= largest:
             break
     return text
@@ -107,13 +113,13 @@ class _CaseOfPage(NamedTuple):
         }
 
 
-def _cases(study: Study, stored: Stored) -> Iterator[_CaseOfPage]:
+def _cases(study: Study, stored: Stored, plane: Plane) -> Iterator[_CaseOfPage]:
     governing = {row["case"]: row for row in stored.rows["references"] if row.get("label")}
     errors: dict[tuple[str, str], dict[str, Any]] = {}
     for row in rows_of(against_governing(stored.tables).reset_index()):
         errors.setdefault((row["case"], row["model"]), {})[row["quantity"]] = row
     for case in study.cases:
-        if case.scenario.STATIC is not False:
+        if plane is HISTORIES and case.scenario.STATIC is not False:
             continue
         reference = governing.get(case.name, {})
         best = stored.cells.get((case.name, reference.get("label", "")))
@@ -127,7 +133,7 @@ def _cases(study: Study, stored: Stored) -> Iterator[_CaseOfPage]:
             band = label == reference.get("label")
             record = None if response is None else record_of(case, response, band=band)
             compared = errors.get((case.name, label), {})
-            numbers = numbers_of(state, response, compared, best=best, sure=sure)
+            numbers = numbers_of(state, response, compared, plane, best=best, sure=sure)
             answers.append(_Answer(state, numbers, record))
         yield _CaseOfPage(case, reference, tuple(answers))
 
@@ -229,8 +235,10 @@ def _plain(value: Any) -> float | str:
     return float(f"{float(value):.5g}") if number and np.isfinite(value) else str(value)
 
 
-def _thinned(cases: Sequence[_CaseOfPage], detail: Detail) -> str:
+def _thinned(cases: Sequence[_CaseOfPage], detail: Detail, plane: Plane) -> str:
     """Return the note on the points that the page leaves out."""
+    if plane is FRAGILITIES:
+        return "The full curves are in the folder cells of the store."
     records = [cell.record for case in cases for cell in case.answers if cell.record]
     points = max(len(record.time) for record in records)
     taken = max((len(r.shapes.at) for r in records if r.shapes), default=0)

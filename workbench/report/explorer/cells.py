@@ -1,4 +1,4 @@
-"""One answer on the page: its histories, its shapes, its numbers, its findings.
+"""One answer on the page: its curves, its shapes, its numbers, its findings.
 
 Curves are few whole numbers: thinned, rounded to a step, each as its difference from the last. The
 page's script decodes them by sums.
@@ -25,9 +25,55 @@ from workbench.responses import Outcome, Response
 from workbench.responses.uncertainty import directions_of, estimate, uncertainty_of, variants
 from workbench.scenarios import ColumnImpact, FrameImpact
 from workbench.study.definition import DATA, Case
+from workbench.uncertainty.exceedance import MEDIAN
 
 _BOW = 0.002  # of the size of the structure: a member that bends less is sent by its ends
-SHOWN = (PEAK, RESIDUAL, "time_of_peak")
+
+
+class Plane(NamedTuple):
+    """What the curves of a page show: titles, units and factors of their axes, and the numbers.
+
+    The first of the `numbers` (of quantities, with titles) is drawn over all cases; it and the
+    second have an error. The cursor begins at the quantity `begin`. `band`: what a band is of.
+    """
+
+    heading: str
+    across: tuple[str, str, float]
+    upward: tuple[str, str, float]
+    numbers: dict[str, tuple[str, str, float]]
+    begin: str
+    band: str = ""
+
+    def text(self, quantity: str, value: float, width: float | None, kind: str) -> str:
+        """A number of the page with its half-width, see `in_unit`."""
+        text, unit = in_unit(value, quantity, width=width), self.numbers[quantity][1]
+        text = text if text.endswith(unit) else f"{text}\u00a0{unit}"
+        return f"{text} ({kind})" if kind and width != 0.0 else text
+
+
+HISTORIES = Plane(
+    "Displacement of the hit point",
+    ("time", "ms", 1e3),
+    ("displacement", "mm", 1e3),
+    {
+        PEAK: ("peak displacement", "mm", 1e3),
+        RESIDUAL: ("residual displacement", "mm", 1e3),
+        "time_of_peak": ("time of the peak", "ms", 1e3),
+    },
+    "time_of_peak",
+)
+FRAGILITIES = Plane(
+    "Probability of exceeding the limit",
+    ("impact velocity", "m/s", 1.0),
+    ("probability of exceedance", "", 1.0),
+    {
+        MEDIAN: ("velocity at 50 %", "m/s", 1.0),
+        "velocity.at_10": ("velocity at 10 %", "m/s", 1.0),
+        "velocity.at_90": ("velocity at 90 %", "m/s", 1.0),
+    },
+    MEDIAN,
+    "Bands of 90 %: samples, and of corrected curves model and reference.",
+)
 
 
 class Detail(NamedTuple):
@@ -67,14 +113,14 @@ def packed(values: ArrayLike, fine: int = FINE) -> dict[str, Any]:
 class Record:
     """The curves of one answer as fine as any page keeps them.
 
-    `time` (s) and `moved` (m), the history; `band`, times and half-widths of its numerical
-    uncertainty; `energies`, times, energies by part and what came in (J); `shapes`, the deformed
-    ones.
+    `time` (s) and `moved` (m), the history, or velocity (m/s) and probability; `band`, places and
+    edges of its uncertainty; `energies`, times, energies by part and what came in (J); `shapes`,
+    the deformed ones.
     """
 
     time: Array
     moved: Array
-    band: tuple[Array, Array] | None
+    band: tuple[Array, Array, Array] | None
     energies: tuple[Array, dict[str, Array], Array] | None
     shapes: Shapes | None
 
@@ -83,7 +129,7 @@ class Record:
         time, moved = thinned(self.time, self.moved, detail.points)
         curves: dict[str, Any] = {"t": packed(time), "d": packed(moved)}
         if self.band is not None:
-            curves["band"] = dict(zip(("t", "w"), map(packed, self.band), strict=True))
+            curves["band"] = dict(zip(("t", "low", "high"), map(packed, self.band), strict=True))
         if self.energies is not None:
             at, parts, brought = self.energies
             few = evenly(len(at), detail.coarse)
@@ -95,7 +141,12 @@ class Record:
 
 
 def record_of(case: Case, response: Response, *, band: bool) -> Record | None:
-    """The curves of a response over time, None if it has none; with `band` its numerical band."""
+    """The curves of a response, None if it has none; with `band` the numerical one of a history."""
+    if "curve.median" in response:
+        velocity, median, low, high = (
+            response[f"curve.{name}"].values for name in ("velocity", "median", "low", "high")
+        )
+        return Record(velocity, median, (velocity, low, high), None, None)
     if "time" not in response.coords or "displacement" not in response:
         return None
     time, moved = (response[name].values.astype(float) for name in ("time", "displacement"))
@@ -103,12 +154,12 @@ def record_of(case: Case, response: Response, *, band: bool) -> Record | None:
     if {"dissipated", "elastic", "kinetic", "input_energy"} <= set(response.data_vars):
         struck = isinstance(case.scenario, ColumnImpact | FrameImpact)
         energies = ledger(response, "time", struck)
-    known = _band(time, response) if band else None
+    known = _band(time, moved, response) if band else None
     return Record(time, moved, known, energies, shapes_of(case.scenario, response))
 
 
-def _band(time: Array, response: Response) -> tuple[Array, Array] | None:
-    """Half-widths of the displacement at some instants, by the rule that holds for every number."""
+def _band(time: Array, moved: Array, response: Response) -> tuple[Array, Array, Array] | None:
+    """Edges of the displacement at some instants, by the rule that holds for every number."""
     directions = directions_of(response)
     if not directions:
         return None
@@ -120,7 +171,8 @@ def _band(time: Array, response: Response) -> tuple[Array, Array] | None:
     ]
     if any(width is None for width in widths):
         return None
-    return time[few], np.array(widths, dtype=float)
+    half = np.array(widths, dtype=float)
+    return time[few], moved[few] - half, moved[few] + half
 
 
 def _shape(shapes: Shapes, detail: Detail) -> dict[str, Any]:
@@ -156,18 +208,23 @@ def numbers_of(
     cell: CellState,
     response: Response | None,
     errors: Mapping[str, Mapping[str, Any]],
+    plane: Plane,
     *,
     best: CellState | None,
     sure: bool,
 ) -> dict[str, Any]:
-    """Return the facts of a cell: outcome, numbers and their `errors` by quantity.
+    """Return the facts of a cell: outcome, numbers of the `plane`, their `errors` by quantity.
 
     `best`, the governing reference (None: none may judge, as it is made of no tests); `sure`,
     whether it is inside its domain.
     """
+    main, *_ = plane.numbers
+    numbers = dict(cell.numbers)
+    if response is not None:
+        numbers |= {each: float(response[each]) for each in plane.numbers if each in response}
     content: dict[str, Any] = {
         "outcome": cell.outcome,
-        "text": dict(_texts(cell, response, errors)),
+        "text": dict(_texts(cell, numbers, response, errors, plane)),
     }
     if not cell.ok:
         content["message"] = cell.message
@@ -175,13 +232,13 @@ def numbers_of(
         content["collapse"] = [cell.collapse.time, cell.collapse.displacement]
     if cell.outside:
         content["outside"] = 1
-    for name, quantity in (("peak", PEAK), ("top", "time_of_peak")):
-        if quantity in cell.numbers:
-            content[name] = _short(cell.numbers[quantity])
-    if (width := _width(response, PEAK)[0]) and PEAK in cell.numbers:
+    for name, quantity in (("main", main), ("begin", plane.begin)):
+        if quantity in numbers:
+            content[name] = _short(numbers[quantity])
+    if (width := _width(response, main)[0]) and main in numbers:
         content["width"] = _short(width)
-    if PEAK in errors:
-        error, width = (errors[PEAK][name] for name in ("error", "uncertainty"))
+    if main in errors:
+        error, width = (errors[main][name] for name in ("error", "uncertainty"))
         content |= {"error": _short(error), "tone": _tone(error, width, sure) if best else ""}
     if best is not None and {cell.outcome, best.outcome} == {Outcome.OK, Outcome.COLLAPSE}:
         content["apart"] = f"{best.label} {'survives' if best.ok else 'collapses'}"
@@ -189,14 +246,17 @@ def numbers_of(
 
 
 def _texts(
-    cell: CellState, response: Response | None, errors: Mapping[str, Mapping[str, Any]]
+    cell: CellState,
+    numbers: Mapping[str, float],
+    response: Response | None,
+    errors: Mapping[str, Mapping[str, Any]],
+    plane: Plane,
 ) -> Iterator[tuple[str, str]]:
     """The numbers of a cell as the reader sees them; those that it does not know are absent."""
-    for quantity in SHOWN:
-        if quantity not in cell.numbers:
+    for quantity in plane.numbers:
+        if quantity not in numbers:
             continue
-        width, kind = _width(response, quantity)
-        yield quantity, in_unit(cell.numbers[quantity], quantity, width=width, kind=kind)
+        yield quantity, plane.text(quantity, numbers[quantity], *_width(response, quantity))
         if quantity in errors:
             row = errors[quantity]
             text = interval("relative_error", quantity, row["error"], row["uncertainty"])
@@ -213,8 +273,11 @@ def _width(response: Response | None, quantity: str) -> tuple[float | None, str]
         return 0.0, ""
     if directions_of(response):
         return uncertainty_of(response, quantity), "numerical"
-    stated: float = json.loads(response.attrs.get("data_uncertainty", "{}")).get(quantity, 0.0)
-    return stated, "data"
+    for kind in ("data", "sampling"):
+        stated: float = json.loads(response.attrs.get(f"{kind}_uncertainty", "{}")).get(quantity, 0)
+        if stated:
+            return stated, kind
+    return 0.0, ""
 
 
 def _tone(error: float, width: float | None, sure: bool) -> str:

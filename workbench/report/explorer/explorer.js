@@ -20,7 +20,7 @@ const cell = (each, label) => each.cells.find((one) => one.model === label);
 const curves = (one) => {
   if (!one.t || one.curves) return one.curves;
   const found = { t: unpack(one.t), d: unpack(one.d) };
-  if (one.band) found.band = { t: unpack(one.band.t), w: unpack(one.band.w) };
+  if (one.band) found.band = { t: unpack(one.band.t), low: unpack(one.band.low), high: unpack(one.band.high) };
   if (one.energy) {
     const parts = data.parts.filter(([name]) => name in one.energy.parts);
     found.energy = {
@@ -42,9 +42,12 @@ const shown = () => {
   return chosen.map((one) => ({ one, model: models.get(one.model), ...curves(one) }));
 };
 const inGroup = () => data.cases.filter((each) => !state.group || data.groups[state.group].includes(each.name));
+const plane = data.plane, quantities = Object.keys(plane.numbers), main = plane.numbers[quantities[0]], moves = Boolean(at("shape"));
 const end = () => Math.max(...cases.get(state.case).cells.map((one) => (curves(one) ? curves(one).t.at(-1) : 0)), 1e-9);
-const ms = (time) => `${digits(1e3 * time, 3)} ms`;
-const mm = (length) => `${digits(1e3 * length, 4)} mm`;
+const begin = () => (moves ? 0 : Math.min(...cases.get(state.case).cells.map((one) => (curves(one) ? curves(one).t[0] : end()))));
+const worded = ([, unit, factor], many) => (value) => `${digits(factor * value, many)} ${unit}`.trim();
+const titled = ([title, unit]) => (unit ? `${title} (${unit})` : title);
+const ms = worded(plane.across, 3), mm = worded(plane.upward, moves ? 4 : 3), [, , acrossFactor] = plane.across, [, , upFactor] = plane.upward;
 const outcome = (one) => ({
   ok: one.outside ? "answered, outside its domain" : "answered",
   collapse: "collapses", "out-of-domain": "refused", "not-converged": "not converged",
@@ -63,8 +66,8 @@ const drawHistory = () => {
   const highs = [1e-6], lows = [0];
   known.forEach(({ one, d, band }) => {
     if (d) { highs.push(Math.max(...d)); lows.push(Math.min(...d)); }
-    if (band) highs.push(Math.max(...band.w) * 0.5 + Math.max(...d));
-    if (!d && one.peak !== undefined) highs.push(one.peak + (one.width || 0));
+    if (band) highs.push(0.5 * (Math.max(...band.high) + Math.max(...d)));
+    if (moves && !d && one.main !== undefined) highs.push(one.main + (one.width || 0));
     if (one.collapse) highs.push(one.collapse[1]);
   });
   views.history = () => {};
@@ -74,31 +77,31 @@ const drawHistory = () => {
     return;
   }
   const low = Math.min(...lows), high = Math.max(...highs);
-  const range = [1e3 * (low < -0.02 * high ? low * 1.05 : 0), 1e3 * high * 1.06];
-  const words = `displacement over time of ${known.map(({ one }) => one.model).join(", ")} in ${here.name}`;
-  const plot = panel(at("history"), words, 320, { range: [0, 1e3 * end()], title: "time (ms)" }, { range, title: "displacement (mm)" });
+  const range = [upFactor * (low < -0.02 * high ? low * 1.05 : 0), upFactor * high * 1.06];
+  const words = `${plane.upward[0]} over ${plane.across[0]} of ${known.map(({ one }) => one.model).join(", ")} in ${here.name}`;
+  const plot = panel(at("history"), words, 320, { range: [acrossFactor * begin(), acrossFactor * end()], title: titled(plane.across) }, { range, title: titled(plane.upward) });
   const told = [];
-  known.forEach(({ band, t, d }) => {
+  known.forEach(({ band, model }) => {
     if (!band) return;
-    const places = band.t.map((time) => 1e3 * time);
-    const middle = band.t.map((time) => d[nearest(t, time)]);
-    between(plot, places, middle.map((v, i) => 1e3 * Math.max(v - band.w[i], range[0] / 1e3)), middle.map((v, i) => 1e3 * Math.min(v + band.w[i], range[1] / 1e3)), data.colors.band, 0.35);
-    told.push(`Band: numerical uncertainty of ${here.reference}, the governing reference.`);
+    const inside = (value) => Math.min(Math.max(upFactor * value, range[0]), range[1]);
+    between(plot, band.t.map((place) => acrossFactor * place), band.low.map(inside), band.high.map(inside), moves ? data.colors.band : model.color, moves ? 0.35 : 0.2);
+    if (moves) told.push(`Band: numerical uncertainty of ${here.reference}, the governing reference.`);
   });
+  if (!moves) told.push(plane.band);
   known.forEach(({ one, t }) => {
-    if (t || !one.width || one.model !== here.reference) return;
-    const [least, most] = [one.peak - one.width, one.peak + one.width].map((v) => Math.min(1e3 * v, range[1]));
-    between(plot, [0, 1e3 * end()], [least, least], [most, most], data.colors.band, 0.35);
+    if (!moves || t || !one.width || one.model !== here.reference) return;
+    const [least, most] = [one.main - one.width, one.main + one.width].map((v) => Math.min(upFactor * v, range[1]));
+    between(plot, [0, acrossFactor * end()], [least, least], [most, most], data.colors.band, 0.35);
     told.push(`Band: uncertainty of the peak of ${one.model}, the governing reference.`);
   });
   known.forEach(({ one, model, t, d }) => {
     if (t) {
-      put(plot.svg, "path", { d: plot.path(t.map((v) => 1e3 * v), d.map((v) => 1e3 * v)), ...stroke(model), "data-curve": one.model });
+      put(plot.svg, "path", { d: plot.path(t.map((v) => acrossFactor * v), d.map((v) => upFactor * v)), ...stroke(model), "data-curve": one.model });
     } else if (one.collapse) {
-      cross(plot.svg, plot.x(1e3 * (one.collapse[0] ?? end())), plot.y(1e3 * one.collapse[1]), model.color, { "data-curve": one.model });
+      cross(plot.svg, plot.x(acrossFactor * (one.collapse[0] ?? end())), plot.y(upFactor * one.collapse[1]), model.color, { "data-curve": one.model });
       told.push(`× ${one.model} collapses${one.collapse[0] === null ? " (time not known)" : ""}.`);
-    } else if (one.peak !== undefined) {
-      const height = plot.y(1e3 * one.peak);
+    } else if (moves && one.main !== undefined) {
+      const height = plot.y(upFactor * one.main);
       put(plot.svg, "path", { d: `M${plot.left},${height}H${plot.right}`, ...stroke(model, { "stroke-dasharray": "1.5 4" }), "data-curve": one.model });
       told.push(`Dotted level: ${one.model} knows its peak only.`);
     } else told.push(`${one.model}: ${outcome(one)}, no curve.`);
@@ -107,20 +110,20 @@ const drawHistory = () => {
   const line = put(plot.svg, "line", { y1: plot.top, y2: plot.bottom, stroke: "#1a1a1a", "stroke-width": 1.4, "data-cursor": "" });
   const dots = known.filter(({ t }) => t).map(({ model, t, d }) => ({ t, d, dot: put(plot.svg, "circle", { r: 3.5, fill: model.color }) }));
   views.history = () => {
-    const x = plot.x(1e3 * state.time);
+    const x = plot.x(acrossFactor * state.time);
     line.setAttribute("x1", x);
     line.setAttribute("x2", x);
     dots.forEach(({ t, d, dot }) => {
       const i = nearest(t, state.time);
-      dot.setAttribute("cx", plot.x(1e3 * t[i]));
-      dot.setAttribute("cy", plot.y(1e3 * d[i]));
+      dot.setAttribute("cx", plot.x(acrossFactor * t[i]));
+      dot.setAttribute("cy", plot.y(upFactor * d[i]));
     });
   };
   const seek = (event) => {
     const box = plot.svg.getBoundingClientRect();
     const pixel = ((event.clientX - box.left) / box.width) * plot.svg.viewBox.baseVal.width;
     stop();
-    moveTo(plot.value(pixel) / 1e3);
+    moveTo(plot.value(pixel) / acrossFactor);
   };
   plot.svg.addEventListener("pointerdown", (event) => {
     seek(event);
@@ -253,10 +256,10 @@ const drawEnergy = () => {
 };
 
 const drawSweep = () => {
-  const kind = at("y").value, name = at("x").value, axis = axes.find((one) => one.name === name);
-  const names = !axis ? data.cases.map((each, i) => (data.cases.length > 12 ? String(i + 1) : each.name)) : axis.stops ? null : [...axis.control.options].map((option) => option.value);
-  const place = (each, i) => (!axis ? i : axis.stops ? each.at[name] : names.indexOf(String(each.at[name])));
-  const factor = kind === "error" ? 100 : 1e3;
+  const kind = at("y").value, name = at("x").value, parameter = axes.find((one) => one.name === name);
+  const names = !parameter ? data.cases.map((each, i) => (data.cases.length > 12 ? String(i + 1) : each.name)) : parameter.stops ? null : [...parameter.control.options].map((option) => option.value);
+  const place = (each, i) => (!parameter ? i : parameter.stops ? each.at[name] : names.indexOf(String(each.at[name])));
+  const factor = kind === "error" ? 100 : main[2];
   const points = [], fallen = [];
   data.cases.forEach((each, i) => each.cells.forEach((one) => {
     const x = place(each, i), value = one[kind];
@@ -271,14 +274,14 @@ const drawSweep = () => {
   }
   const xs = data.cases.map(place).filter((x) => x !== undefined && x >= 0);
   let range = [Math.min(...xs), Math.max(...xs)];
-  const log = Boolean(axis && axis.log);
+  const log = Boolean(parameter && parameter.log);
   const margin = names ? 0.5 : 0.04 * (range[1] - range[0]) || 1;
   range = log ? [range[0] / 1.15, range[1] * 1.15] : [range[0] - margin, range[1] + margin];
   const ys = points.map((point) => point.y).concat(0);
   let [low, high] = [Math.min(...ys), Math.max(...ys)];
   const room = 0.08 * (high - low) || 1;
   [low, high] = [low < 0 ? low - room : 0, high + room];
-  const title = kind === "error" ? "error of the peak (%)" : "peak displacement (mm)";
+  const title = kind === "error" ? `error of the ${main[0]} (%)` : titled(main);
   const plot = panel(at("sweep"), `${title} over ${name || "the cases"}`, 300, { range, title: name || (data.cases.length > 12 ? "number of the case" : "case"), log, names }, { range: [low, high], title });
   if (kind === "error") {
     [0, ...data.bounds.flatMap((bound) => [100 * bound, -100 * bound])].filter((y) => y >= low && y <= high).forEach((y) => {
@@ -325,9 +328,8 @@ const tellCase = () => {
   here.cells.forEach((one) => {
     const text = one.text, best = one.model === here.reference;
     const line = row(body, [
-      one.model, [outcome(one), one.message && `: ${one.message}`, one.apart && `; ${one.apart}`].filter(Boolean).join(""), text.peak_displacement,
-      best ? "the reference" : text["peak_displacement error"], text.residual_displacement,
-      best ? "the reference" : text["residual_displacement error"], text.time_of_peak, text.cost,
+      one.model, [outcome(one), one.message && `: ${one.message}`, one.apart && `; ${one.apart}`].filter(Boolean).join(""),
+      ...quantities.flatMap((name, i) => [text[name], ...(i < 2 ? [best ? "the reference" : text[`${name} error`]] : [])]), text.cost,
     ], ["", one.apart ? "bad" : one.outcome === "ok" ? "" : "doubt", "", one.tone || ""]);
     if (!state.shown.has(one.model)) line.className = "off";
     if (!state.shown.has(one.model)) return;
@@ -346,7 +348,7 @@ const tellValues = () => {
     box.checked = state.shown.has(box.value);
     item.classList.toggle("focus", box.value === state.focus);
     item.classList.toggle("counts", box.value === here.reference);
-    item.querySelector(".value").textContent = !one ? "not asked" : found ? mm(found.d[nearest(found.t, state.time)]) : one.peak !== undefined ? `peak ${mm(one.peak)}` : outcome(one);
+    item.querySelector(".value").textContent = !one ? "not asked" : found ? mm(found.d[nearest(found.t, state.time)]) : moves && one.main !== undefined ? `peak ${mm(one.main)}` : outcome(one);
   });
 };
 const tellMatrix = () => {
@@ -361,8 +363,8 @@ const tellMatrix = () => {
 };
 
 const moveTo = (time) => {
-  state.time = Math.min(Math.max(time, 0), end());
-  at("time").value = Math.round((400 * state.time) / end());
+  state.time = Math.min(Math.max(time, begin()), end());
+  at("time").value = Math.round((400 * (state.time - begin())) / (end() - begin() || 1));
   at("time").setAttribute("aria-valuetext", ms(state.time));
   at("clock").textContent = ms(state.time);
   Object.values(views).forEach((view) => view());
@@ -376,15 +378,15 @@ const stop = () => {
 };
 const play = () => {
   if (timer) { stop(); settle(); return; }
-  const whole = end(), seconds = 6, pause = 40;
-  if (state.time >= whole) moveTo(0);
+  const first = begin(), whole = end(), seconds = 6, pause = 40;
+  if (state.time >= whole) moveTo(first);
   at("play").textContent = "Pause";
   at("play").setAttribute("aria-pressed", "true");
   let last = performance.now();
   timer = setInterval(() => {
     const now = performance.now(), passed = Math.min(now - last, 5 * pause);  // hidden pages sleep
     last = now;
-    moveTo(state.time + (whole * passed) / 1000 / seconds);
+    moveTo(state.time + ((whole - first) * passed) / 1000 / seconds);
     if (state.time >= whole) { stop(); settle(); }
   }, pause);
 };
@@ -394,7 +396,7 @@ const settle = () => {
   const said = new URLSearchParams({ case: state.case, f: state.focus, t: state.time.toPrecision(4) });
   if (state.group) said.set("g", state.group);
   if (state.cell) said.set("c", state.cell);
-  ["x", "y", "times"].forEach((id) => { if (at(id).selectedIndex > 0) said.set(id, at(id).value); });
+  ["x", "y", "times"].filter(at).forEach((id) => { if (at(id).selectedIndex > 0) said.set(id, at(id).value); });
   [...state.shown].forEach((label) => said.append("m", label));
   history.replaceState(null, "", `#${said}`);
 };
@@ -407,15 +409,14 @@ const restore = () => {
   const plain = data.models.find((model) => model.shown && !model.rank) || data.models[0];
   state.focus = models.has(said.get("f")) ? said.get("f") : plain.label;
   state.cell = [...document.querySelectorAll("#matrix button")].map((b) => `${b.dataset.model}\n${b.dataset.group}`).find((key) => key === said.get("c")) || "";
-  ["x", "y", "times"].forEach((id) => {
+  ["x", "y", "times"].filter(at).forEach((id) => {
     at(id).selectedIndex = Math.max(0, [...at(id).options].findIndex((option) => option.value === said.get(id)));
   });
   choose(wanted.name, { time: said.has("t") ? Number(said.get("t")) : NaN });
 };
 const refresh = () => {
   drawHistory();
-  drawShape();
-  drawEnergy();
+  if (moves) { drawShape(); drawEnergy(); }
   drawSweep();
   tellCase();
   tellMatrix();
@@ -426,9 +427,9 @@ const choose = (name, { wanted = null, time = NaN } = {}) => {
   const here = cases.get(name), fresh = name !== state.case, open = inGroup();
   stop();
   state.case = name;
-  const best = [cell(here, here.reference), ...here.cells].find((one) => one && one.top !== undefined);
+  const best = [cell(here, here.reference), ...here.cells].find((one) => one && one.begin !== undefined);
   if (Number.isFinite(time)) state.time = time;
-  else if (fresh) state.time = (best && best.top) || 0;
+  else if (fresh) state.time = (best && best.begin) || 0;
   if (at("group")) at("group").value = state.group;
   at("case").replaceChildren(...open.map((each) => new Option(each.name, each.name, false, each === here)));
   at("focus").value = state.focus;
@@ -488,7 +489,7 @@ const showing = (wanted) => () => {
 at("all").addEventListener("click", showing(() => true));
 at("none").addEventListener("click", showing((model) => model.rank));
 at("focus").addEventListener("change", () => { state.focus = at("focus").value; refresh(); settle(); });
-["x", "y", "times"].forEach((id) => at(id).addEventListener("change", () => { refresh(); settle(); }));
+["x", "y", "times"].filter(at).forEach((id) => at(id).addEventListener("change", () => { refresh(); settle(); }));
 document.querySelectorAll("#matrix button").forEach((button) => button.addEventListener("click", () => {
   const { model, group } = button.dataset;
   state.cell = `${model}\n${group}`;
@@ -500,21 +501,21 @@ document.querySelectorAll("#matrix button").forEach((button) => button.addEventL
   const top = worst.reduce((a, b) => (a === null || badness(b) > badness(a) ? b : a), null);
   choose(top ? top.each.name : state.case);
 }));
-at("time").addEventListener("input", () => { stop(); moveTo((at("time").value / 400) * end()); });
+at("time").addEventListener("input", () => { stop(); moveTo(begin() + (at("time").value / 400) * (end() - begin())); });
 at("time").addEventListener("change", settle);
 at("play").addEventListener("click", play);
 at("csv").addEventListener("click", () => {
-  const quoted = (text) => `"${text.replaceAll('"', '""')}"`, lines = ["case,label,time_s,displacement_m"];
+  const quoted = (text) => `"${text.replaceAll('"', '""')}"`, lines = [moves ? "case,label,time_s,displacement_m" : "case,label,velocity_m_s,probability"];
   shown().filter(({ t }) => t).forEach(({ one, t, d }) => t.forEach((time, i) => {
     lines.push(`${quoted(state.case)},${quoted(one.model)},${Number(time.toPrecision(6))},${Number(d[i].toPrecision(6))}`);
   }));
-  if (lines.length === 1) { at("told").textContent = "No history is shown: there is nothing to download."; return; }
+  if (lines.length === 1) { at("told").textContent = "No curve is shown: there is nothing to download."; return; }
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob([`${lines.join("\n")}\n`], { type: "text/csv" }));
   link.download = `${data.study} ${state.case}`.replace(/[^A-Za-z0-9._-]+/g, "-") + ".csv";
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-  at("told").textContent = `${lines.length - 1} points of ${shown().filter(({ t }) => t).length} histories.`;
+  at("told").textContent = `${lines.length - 1} points of ${shown().filter(({ t }) => t).length} curves.`;
 });
 at("link").addEventListener("click", () => {
   settle();
