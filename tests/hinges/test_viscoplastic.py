@@ -299,6 +299,22 @@ def test_an_insensitive_web_is_the_panel_without_rate() -> None:
         assert bar.slid == pytest.approx(flow[4], rel=1e-3)
 
 
+@pytest.mark.parametrize("steel", [HARD, BOTH], ids=["hardening", "both"])
+def test_panels_are_found_all_along_a_wandering_way(steel) -> None:
+    """Into pure tension too, where flanges and web begin to flow at once: each step is solved."""
+    bar, _ = panel_of(steel=steel)
+    unit = bar.law["strength"] * np.diag(bar.matrix)
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        towards = rng.normal(size=3) * [3.0, 3.0, -3.0 * rng.uniform(0.2, 1.0)]
+        bar.grown, e, plastic, forces = np.zeros(MOST), np.zeros(3), np.zeros(3), np.zeros(3)
+        for _ in range(60):
+            e = e + unit * (0.04 * towards + 0.03 * rng.normal(size=3))
+            forces, _, _, flow = bar.step(e - plastic, forces)
+            assert np.isfinite(forces).all()
+            bar.grown, plastic = bar.grown + flow, e - bar.matrix @ forces
+
+
 @pytest.mark.parametrize("depth", SHEAR_DEPTHS)
 def test_a_web_slides_along_its_whole_bar_at_the_rate_of_its_overstress(depth) -> None:
     bar, surface = panel_of(depth=depth)

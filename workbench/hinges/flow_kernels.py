@@ -161,8 +161,8 @@ def _normal_share(law, n, m, v, time, sizes, low, short):
     r^(1/q), in which the balance of their powers is nearly linear.
     """
     flanges, web, q = law.flanges, law.web, law.exponent if law.web.overstress > 0.0 else 1.0
-    high = _most_of_web(law, n, m, sizes[0])
-    r = low + (high - low) * short / (short + (high * high + v * v) ** 0.5 - sizes[1])
+    high = max(_most_of_web(law, n, m, sizes[0]), low)  # below it by round-off where flow begins
+    r = low + (high - low) * short / (short + max((high * high + v * v) ** 0.5 - sizes[1], 0.0))
     if v > sizes[1]:  # no more than what balances a web that does not yet carry normal stress
         of_flanges, of_web = (
             _root(law, flanges, short, time)[0],
@@ -181,7 +181,7 @@ def _normal_share(law, n, m, v, time, sizes, low, short):
         slope = ratio * (of_web * bent + q * web_steep * r * r / size) - q * r * steep * s_r
         low, high = (r, high) if balance < 0.0 else (low, r)
         new = r * _power(max(1.0 - balance / slope, 0.0), q)
-        if not low < new < high:
+        if not low <= new <= high:
             new = 0.5 * (low + high)
         step, r = abs(new - r), new
         if step <= _CLOSE * r:
