@@ -98,12 +98,12 @@ def timed(impact: FrameImpact, share: float) -> tuple[float, float]:
 
 def solving(impact: FrameImpact) -> None:
     """Print what solving takes: the compiled march, the plain driver, OpenSeesPy."""
-    own, rest = map(min, zip(*(timed(impact, 1.0 + 1e-6 * n) for n in range(60)), strict=True))
+    compiled, rest = map(min, zip(*(timed(impact, 1.0 + 1e-6 * n) for n in range(60)), strict=True))
     plain = BARS(integrator="gear-gupta-leimkuhler")
     spent = min(plain.simulate(impact).attrs["solve_time"] for _ in range(3))
-    print(f"\n{'rigid superelement, 0.1 %':<40}{1e3 * own:>11.3f} ms")
+    print(f"\n{'rigid superelement, 0.1 %':<40}{1e3 * compiled:>11.3f} ms")
     print(f"{'on top of solving':<40}{1e3 * rest:>11.3f} ms")
-    print(f"{'plain driver, equal steps':<40}{1e3 * spent:>11.3f} ms, {spent / own:.1f} times")
+    print(f"{'plain driver, equal steps':<40}{1e3 * spent:>11.3f} ms, {spent / compiled:.1f} times")
     equal, by_error = partial(bars, impact, "time_step"), partial(bars, impact, "accuracy")
     base = min(
         cheapest("equal steps", equal, 5000, 20),
@@ -116,7 +116,7 @@ def solving(impact: FrameImpact) -> None:
         except (ImportError, RuntimeError) as failure:
             print(f"{label}: {failure}")
             continue
-        print(f"{'':<32}{spent / base:>18.1f} times ours at 1 %, {spent / own:.1f} at 0.1 %")
+        print(f"{'':<32}{spent / base:>18.1f} times ours at 1 %, {spent / compiled:.1f} at 0.1 %")
 
 
 def main() -> None:

@@ -75,16 +75,16 @@ def column(
     """
     import openseespy.opensees as ops
 
-    own, striker, steel = scenario.column, scenario.striker, scenario.column.steel
-    properties = own.properties
+    column, striker, steel = scenario.column, scenario.striker, scenario.column.steel
+    properties = column.properties
     ops.wipe()
     ops.model("basic", "-ndm", 2, "-ndf", 3)
-    for node, height in ((1, 0.0), (2, own.length_below), (3, own.length)):
+    for node, height in ((1, 0.0), (2, column.length_below), (3, column.length)):
         ops.node(node, 0.0, height)
     ops.fix(1, 1, 1, 1)
     ops.fix(3, 1, 0, 1)
     ops.uniaxialMaterial("Steel01", 1, steel.yield_stress, steel.elastic_modulus, 1e-6)
-    y, area = own.strength_section.fibers(layers)
+    y, area = column.strength_section.fibers(layers)
     ops.section("Fiber", 1)
     for height, part in zip(y, area, strict=True):
         ops.fiber(float(height), 0.0, float(part), 1)
@@ -92,7 +92,7 @@ def column(
     ops.section("Elastic", 2, *elastic)
     ops.geomTransf("Corotational", 1)
     if kind == "hinges":
-        depth = own.section.height
+        depth = column.section.height
         ops.beamIntegration("HingeRadau", 1, 1, depth, 1, depth, 2)
     else:
         ops.beamIntegration("Lobatto", 1, 1, 5)
@@ -101,7 +101,7 @@ def column(
         ops.element("forceBeamColumn", tag, *ends, 1, 1, "-iter", 50, 1e-8, "-mass", mass)
     ops.timeSeries("Linear", 1)
     ops.pattern("Plain", 1, 1)
-    ops.load(3, 0.0, -own.axial_load, 0.0)
+    ops.load(3, 0.0, -column.axial_load, 0.0)
     ops.constraints("Plain")
     ops.numberer("RCM")
     ops.system("BandGeneral")
@@ -113,11 +113,11 @@ def column(
         raise RuntimeError("OpenSees does not carry the dead load")
     ops.loadConst("-time", 0.0)
     ops.wipeAnalysis()
-    ops.node(4, 0.0, own.length)  # takes the displacement that it is built at as unstressed
+    ops.node(4, 0.0, column.length)  # takes the displacement that it is built at as unstressed
     ops.fix(4, 1, 1, 1)
-    ops.uniaxialMaterial("Elastic", 4, own.restraint_stiffness)
+    ops.uniaxialMaterial("Elastic", 4, column.restraint_stiffness)
     ops.element("zeroLength", 4, 4, 3, "-mat", 4, "-dir", 2)
-    attached = 0.5 * mass * own.length
+    attached = 0.5 * mass * column.length
     ops.mass(2, striker.mass, 0.0, 0.0)
     velocity = striker.mass * striker.velocity / (striker.mass + attached)
     ops.setNodeVel(2, 1, velocity, "-commit")

@@ -58,11 +58,11 @@ def problems_of(
             problems.append(f"{scenario.name}: simulate raised {type(error).__name__}: {error}")
             continue
         outcomes.append(outcome_of(response))
-        found = [*_domain(model, scenario, response), *_response(model, scenario, response)]
+        faults = [*_domain(model, scenario, response), *_response(model, scenario, response)]
         if not _numbers(response).identical(_numbers(again)):
-            found.append("two runs of the same scenario differ")
-        found.extend(_ledger(response, energy_tolerance))
-        problems.extend(f"{scenario.name}: {text}" for text in found)
+            faults.append("two runs of the same scenario differ")
+        faults.extend(_ledger(response, energy_tolerance))
+        problems.extend(f"{scenario.name}: {text}" for text in faults)
     if Outcome.OK not in outcomes:
         problems.append("answers none of the given scenarios with outcome ok")
     if scenarios:
@@ -120,9 +120,9 @@ def _domain(model: Model, scenario: Scenario, response: Response) -> Iterator[st
     refusals = [finding for finding in findings if finding.refusal]
     if refusals and outcome_of(response) is not Outcome.OUT_OF_DOMAIN:
         yield "domain refuses the scenario but simulate answers it"
-    told = {(finding.subject, finding.text) for finding in findings_of(response)}
+    stated = {(finding.subject, finding.text) for finding in findings_of(response)}
     for finding in findings:
-        if (finding.subject, finding.text) not in told:
+        if (finding.subject, finding.text) not in stated:
             what = "refusal" if finding.refusal else "warning"
             yield f"the {what} {finding.text!r} of domain is missing in the response"
 

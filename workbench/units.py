@@ -58,10 +58,10 @@ def _size(unit: str) -> Size | None:
                 if sign > 0 and factor == "1":  # as in 1/s
                     continue
                 return None
-            size, own = _NAMES[match[1]]
+            size, dimension = _NAMES[match[1]]
             power = sign * int(match[2] or 1)
             value *= size**power
-            powers = [sum_ + power * each for sum_, each in zip(powers, own, strict=True)]
+            powers = [sum_ + power * each for sum_, each in zip(powers, dimension, strict=True)]
     if not above.strip() or (slash and not below.strip()):
         return None
     return value, (powers[0], powers[1], powers[2])

@@ -220,7 +220,7 @@ def on_common_base(
     "asme-vv20",
     unit_power=1,
     swap=Swap.OPPOSITE,
-    spread=lambda value, reference, own, other: hypot(own, other),
+    spread=lambda value, reference, width, other: hypot(width, other),
 )
 def difference(pair: Pair) -> float:
     """Value - reference, in the unit of the quantity.
@@ -235,8 +235,8 @@ def difference(pair: Pair) -> float:
     Scope.SCALAR,
     "asme-vv20",
     # a relative change of the reference acts with the weight value/reference
-    spread=lambda value, reference, own, other: (
-        hypot(own / reference, value / reference * other / reference) if reference else None
+    spread=lambda value, reference, width, other: (
+        hypot(width / reference, value / reference * other / reference) if reference else None
     ),
 )
 def relative_error(pair: Pair) -> float:
@@ -254,7 +254,7 @@ def relative_error(pair: Pair) -> float:
     Scope.SCALAR,
     "fds-validation",
     swap=Swap.OPPOSITE,
-    spread=lambda value, reference, own, other: hypot(own / value, other / reference),
+    spread=lambda value, reference, width, other: hypot(width / value, other / reference),
 )
 def log_ratio(pair: Pair) -> float:
     """ln(value / reference).

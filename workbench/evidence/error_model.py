@@ -91,8 +91,8 @@ def expected_error(scenario: Any, response: Response) -> ExpectedError:
     """
     name, peak = response.attrs["model"], reached(response)[0]
     table = table_of(scenario)
-    own = table is not None and _is_anchor(response, table.anchor)
-    error = _error(scenario, name, peak, peak if own else None)
+    by_anchor = table is not None and _is_anchor(response, table.anchor)
+    error = _error(scenario, name, peak, peak if by_anchor else None)
     return replace(error, residual=residual_ends(scenario, response))
 
 

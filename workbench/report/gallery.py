@@ -64,10 +64,10 @@ class Plate:
         return Picture(*words, svg, drawing.alt, drawing.width, drawing.statements, files)
 
 
-def to_svg(canvas: Canvas, key: str, *, said: bool = False) -> str:
+def to_svg(canvas: Canvas, key: str, *, comments: bool = False) -> str:
     """SVG text of a figure: equal figures give equal text, and ids are unique to `key`.
 
-    `said`: keep the comments in which texts stand that are drawn as paths.
+    `comments`: keep those in which the texts stand that are drawn as paths.
 
     Scripts, metadata and outside references are left out, so that it can stand inside HTML.
     """
@@ -76,7 +76,7 @@ def to_svg(canvas: Canvas, key: str, *, said: bool = False) -> str:
         canvas.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     text = buffer.getvalue()
     text = text[text.index("<svg") :]
-    unneeded = r"\s*<metadata>.*?</metadata>" + ("" if said else r"|\s*<!--.*?-->")
+    unneeded = r"\s*<metadata>.*?</metadata>" + ("" if comments else r"|\s*<!--.*?-->")
     text = re.sub(unneeded, "", text, flags=re.DOTALL)
     prefix = re.sub(r"[^A-Za-z0-9]+", "-", key)
     # ids of clips are hashes of coordinates, whose last digit depends on the layout solver
@@ -97,7 +97,7 @@ def save_png(canvas: Canvas, path: Path, resolution: int = 160) -> None:
 def save(canvas: Canvas, path: Path) -> None:
     """Write a picture as PNG, SVG or PDF, by the ending."""
     if path.suffix.lower() == ".svg":
-        write_atomically(path, to_svg(canvas, path.stem, said=True).encode())
+        write_atomically(path, to_svg(canvas, path.stem, comments=True).encode())
     elif path.suffix.lower() == ".png":
         save_png(canvas, path)
     else:

@@ -270,8 +270,8 @@ def _chooser_rows(drawn: _Drawn) -> Iterator[Row]:
         tables = errors, seconds[errors.columns]
         picked = (pd.Series(each.to_numpy()[places], best.index) for each in tables)
         yield _chosen(QUICK, *picked, chooses=True)
-    own = errors[anchor]
-    corrected = ((1.0 + own) / (1.0 + drawn.expected[anchor]) - 1.0).fillna(own)
+    uncorrected = errors[anchor]
+    corrected = ((1.0 + uncorrected) / (1.0 + drawn.expected[anchor]) - 1.0).fillna(uncorrected)
     yield _chosen(CORRECTED, corrected, seconds[anchor], chooses=True)
     warned = drawn.warned[anchor]
     asked = seconds[anchor] + seconds[drawn.reference].where(warned, 0.0)

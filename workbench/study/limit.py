@@ -121,8 +121,8 @@ def find_limit(
         collapsed_at = middle if survived is False else collapsed_at
     at_ends = [ended[way] for way in (True, False) if way in ended]
     findings = {f.subject: f for each in reversed(at_ends) for f in advise(alone, *each)}
-    told = (f for f in findings.values() if not f.refusal and f.subject != CLOSE)
-    warnings = tuple(f.as_dict() for f in told)
+    advised = (f for f in findings.values() if not f.refusal and f.subject != CLOSE)
+    warnings = tuple(f.as_dict() for f in advised)
     return Limit(model.name, survived_at, collapsed_at, settled, tuple(trials.values()), warnings)
 
 

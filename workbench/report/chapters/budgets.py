@@ -113,14 +113,14 @@ def _interval(rows: Sequence[Row]) -> dict[str, Any]:
     """What a form of a budget says: the answer, its interval, the largest part of that."""
     form, quantity, value = (rows[0][name] for name in _WHO)
     by_term = {row["term"]: row for row in rows}
-    said = {"form": form, "quantity": quantity, "value": in_unit(value, quantity, 3)}
+    answer = {"form": form, "quantity": quantity, "value": in_unit(value, quantity, 3)}
     parts = [row for name, row in by_term.items() if name not in SUMS]
     if TOTAL not in by_term:
         lost = [f"{r['term']} ({r['reason']})" for r in parts[1:] if r["low"] is None]
-        return {**said, "lost": lost}
+        return {**answer, "lost": lost}
     top, total = max(parts[1:], key=_size), by_term[TOTAL]
     return {
-        **said,
+        **answer,
         "lost": [],
         "middle": in_unit(value * (1.0 + total["shift"]), quantity, 3),
         "low": _at(quantity, total["least"], named=False),

@@ -123,16 +123,16 @@ def _sure(study: Study, stored: Stored, group: str) -> list[Row]:
 def _expected(study: Study, stored: Stored, group: str, label: str) -> Row:
     """The error to expect of a label, in words, in the least certain `case`."""
     names = study.groups.get(group, [case.name for case in study.cases])
-    found = [
+    chances = [
         (stored.number(name, label, "error_chance"), name)
         for name in names
         if stored.number(name, label, "error_low") is not None
     ]
-    _, case = max(found, default=(0.0, ""))
+    _, case = max(chances, default=(0.0, ""))
     expected, low, high = (stored.number(case, label, f"error_{name}") for name in ERROR[:3])
     return {
         "error": str(ExpectedError(ANCHOR, expected, low, high)),
-        "case": case if len(found) > 1 else "",
+        "case": case if len(chances) > 1 else "",
     }
 
 

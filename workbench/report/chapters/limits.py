@@ -26,13 +26,13 @@ def _names(names: Iterable[str]) -> Cell:
     return Cell(several(distinct), len(distinct))
 
 
-def _groups(said: pd.DataFrame, *kind: str) -> list[dict[str, Any]]:
+def _groups(cells_of_kind: pd.DataFrame, *kind: str) -> list[dict[str, Any]]:
     """What cells say alike; of many sentences that differ in their numbers one example.
 
     `kind`: the columns that they have in common, besides `sentence` and `number`.
     """
     rows = []
-    for _, alike in said.groupby(list(kind), sort=False):
+    for _, alike in cells_of_kind.groupby(list(kind), sort=False):
         sentences = list(alike.groupby("sentence", sort=False))
         if len(sentences) > _SIMILAR:
             worst = alike.iloc[int(alike["number"].abs().fillna(0.0).argmax())]
@@ -48,7 +48,7 @@ def missing(study: Study, stored: Stored) -> Section | None:
     """Cells without an answer, grouped by what happened, and what was not asked."""
     cells = pd.DataFrame(map(vars, stored.cells.values()))
     silent = cells[~cells["outcome"].isin([Outcome.OK, Outcome.COLLAPSE])]
-    said = silent["message"].where(silent["message"] != "", PAGE.words("not_run"))
+    sentences = silent["message"].where(silent["message"] != "", PAGE.words("not_run"))
     refusals = int((silent["outcome"] == Outcome.OUT_OF_DOMAIN).sum())
     return PAGE.section(
         "missing",
@@ -59,7 +59,7 @@ def missing(study: Study, stored: Stored) -> Section | None:
         ],
         refusals=refusals,
         failures=len(silent) - refusals,
-        groups=_groups(silent.assign(sentence=said, number=nan), "label", "outcome"),
+        groups=_groups(silent.assign(sentence=sentences, number=nan), "label", "outcome"),
     )
 
 

@@ -8,7 +8,7 @@ const axes = [...document.querySelectorAll("[data-axis]")].map((control) => ({
   name: control.dataset.axis,
   stops: control.dataset.stops ? JSON.parse(control.dataset.stops) : null,
   log: control.dataset.log === "1",
-  said: control.parentElement.querySelector("output"),
+  output: control.parentElement.querySelector("output"),
 }));
 const boxes = [...document.querySelectorAll("#models input")];
 const state = { case: "", group: "", focus: "", shown: new Set(), time: 0, cell: "" };
@@ -19,21 +19,21 @@ let timer = null;
 const cell = (each, label) => each.cells.find((one) => one.model === label);
 const curves = (one) => {
   if (!one.t || one.curves) return one.curves;
-  const found = { t: unpack(one.t), d: unpack(one.d) };
-  if (one.band) found.band = { t: unpack(one.band.t), low: unpack(one.band.low), high: unpack(one.band.high) };
+  const decoded = { t: unpack(one.t), d: unpack(one.d) };
+  if (one.band) decoded.band = { t: unpack(one.band.t), low: unpack(one.band.low), high: unpack(one.band.high) };
   if (one.energy) {
     const parts = data.parts.filter(([name]) => name in one.energy.parts);
-    found.energy = {
+    decoded.energy = {
       t: unpack(one.energy.t), in: unpack(one.energy.in),
       parts: parts.map(([name, title, color]) => ({ title, color, values: unpack(one.energy.parts[name]) })),
     };
   }
   if (one.shape) {
     const width = 2 * one.shape.points.reduce((sum, n) => sum + n, 0);
-    found.shape = { ...one.shape, t: unpack(one.shape.t), moved: unpack(one.shape.n, width), width };
+    decoded.shape = { ...one.shape, t: unpack(one.shape.t), moved: unpack(one.shape.n, width), width };
   }
-  one.curves = found;
-  return found;
+  one.curves = decoded;
+  return decoded;
 };
 const shown = () => {
   const here = cases.get(state.case);
@@ -80,33 +80,33 @@ const drawHistory = () => {
   const range = [upFactor * (low < -0.02 * high ? low * 1.05 : 0), upFactor * high * 1.06];
   const words = `${plane.upward[0]} over ${plane.across[0]} of ${known.map(({ one }) => one.model).join(", ")} in ${here.name}`;
   const plot = panel(at("history"), words, 320, { range: [acrossFactor * begin(), acrossFactor * end()], title: titled(plane.across) }, { range, title: titled(plane.upward) });
-  const told = [];
+  const notes = [];
   known.forEach(({ band, model }) => {
     if (!band) return;
     const inside = (value) => Math.min(Math.max(upFactor * value, range[0]), range[1]);
     between(plot, band.t.map((place) => acrossFactor * place), band.low.map(inside), band.high.map(inside), moves ? data.colors.band : model.color, moves ? 0.35 : 0.2);
-    if (moves) told.push(`Band: numerical uncertainty of ${here.reference}, the governing reference.`);
+    if (moves) notes.push(`Band: numerical uncertainty of ${here.reference}, the governing reference.`);
   });
-  if (!moves) told.push(plane.band);
+  if (!moves) notes.push(plane.band);
   known.forEach(({ one, t }) => {
     if (!moves || t || !one.width || one.model !== here.reference) return;
     const [least, most] = [one.main - one.width, one.main + one.width].map((v) => Math.min(upFactor * v, range[1]));
     between(plot, [0, acrossFactor * end()], [least, least], [most, most], data.colors.band, 0.35);
-    told.push(`Band: uncertainty of the peak of ${one.model}, the governing reference.`);
+    notes.push(`Band: uncertainty of the peak of ${one.model}, the governing reference.`);
   });
   known.forEach(({ one, model, t, d }) => {
     if (t) {
       put(plot.svg, "path", { d: plot.path(t.map((v) => acrossFactor * v), d.map((v) => upFactor * v)), ...stroke(model), "data-curve": one.model });
     } else if (one.collapse) {
       cross(plot.svg, plot.x(acrossFactor * (one.collapse[0] ?? end())), plot.y(upFactor * one.collapse[1]), model.color, { "data-curve": one.model });
-      told.push(`× ${one.model} collapses${one.collapse[0] === null ? " (time not known)" : ""}.`);
+      notes.push(`× ${one.model} collapses${one.collapse[0] === null ? " (time not known)" : ""}.`);
     } else if (moves && one.main !== undefined) {
       const height = plot.y(upFactor * one.main);
       put(plot.svg, "path", { d: `M${plot.left},${height}H${plot.right}`, ...stroke(model, { "stroke-dasharray": "1.5 4" }), "data-curve": one.model });
-      told.push(`Dotted level: ${one.model} knows its peak only.`);
-    } else told.push(`${one.model}: ${outcome(one)}, no curve.`);
+      notes.push(`Dotted level: ${one.model} knows its peak only.`);
+    } else notes.push(`${one.model}: ${outcome(one)}, no curve.`);
   });
-  at("history-words").textContent = told.join(" ");
+  at("history-words").textContent = notes.join(" ");
   const line = put(plot.svg, "line", { y1: plot.top, y2: plot.bottom, stroke: "#1a1a1a", "stroke-width": 1.4, "data-cursor": "" });
   const dots = known.filter(({ t }) => t).map(({ model, t, d }) => ({ t, d, dot: put(plot.svg, "circle", { r: 3.5, fill: model.color }) }));
   views.history = () => {
@@ -221,37 +221,37 @@ const drawShape = () => {
 };
 
 const drawEnergy = () => {
-  const one = cell(cases.get(state.case), state.focus), found = one && curves(one) && curves(one).energy;
+  const one = cell(cases.get(state.case), state.focus), energy = one && curves(one) && curves(one).energy;
   views.energy = () => {};
   at("energy-words").textContent = "";
-  if (!found) {
+  if (!energy) {
     empty(at("energy"), one ? `${state.focus} keeps no energies of this case (${outcome(one)}).` : `${state.focus} was not asked this case.`);
     return;
   }
-  const times = found.t.map((v) => 1e3 * v), kilo = (values) => values.map((v) => v / 1e3);
-  let low = found.t.map(() => 0);
-  const stack = found.parts.map((part) => {
+  const times = energy.t.map((v) => 1e3 * v), kilo = (values) => values.map((v) => v / 1e3);
+  let low = energy.t.map(() => 0);
+  const stack = energy.parts.map((part) => {
     const bottom = low;
     low = part.values.map((v, i) => bottom[i] + v / 1e3);
     return { ...part, bottom, top: low };
   });
-  const high = Math.max(...kilo(found.in), ...low);
+  const high = Math.max(...kilo(energy.in), ...low);
   const plot = panel(at("energy"), `energies of ${state.focus}`, 300, { range: [0, 1e3 * end()], title: "time (ms)" }, { range: [0, 1.05 * high], title: "energy (kJ)" });
   stack.forEach((part) => between(plot, times, part.bottom, part.top, part.color, 1));
-  put(plot.svg, "path", { d: plot.path(times, kilo(found.in)), fill: "none", stroke: "#1a1a1a", "stroke-dasharray": "5 3", "stroke-width": 1.4 });
+  put(plot.svg, "path", { d: plot.path(times, kilo(energy.in)), fill: "none", stroke: "#1a1a1a", "stroke-dasharray": "5 3", "stroke-width": 1.4 });
   const line = put(plot.svg, "line", { y1: plot.top, y2: plot.bottom, stroke: "#1a1a1a", "stroke-width": 1.4 });
-  const told = at("energy-words");
+  const words = at("energy-words");
   views.energy = () => {
-    const i = nearest(found.t, state.time), x = plot.x(1e3 * state.time);
+    const i = nearest(energy.t, state.time), x = plot.x(1e3 * state.time);
     line.setAttribute("x1", x);
     line.setAttribute("x2", x);
-    told.replaceChildren(`At ${ms(found.t[i])}: `);
+    words.replaceChildren(`At ${ms(energy.t[i])}: `);
     stack.slice().reverse().forEach((part) => {
-      const chip = told.appendChild(document.createElement("span"));
+      const chip = words.appendChild(document.createElement("span"));
       chip.style.cssText = `display:inline-block;width:.8em;height:.8em;margin:0 .3em 0 .6em;background:${part.color}`;
-      told.append(`${part.title} ${digits(part.values[i] / 1e3, 3)} kJ`);
+      words.append(`${part.title} ${digits(part.values[i] / 1e3, 3)} kJ`);
     });
-    told.append(`; dashed: brought in so far, ${digits(found.in[i] / 1e3, 3)} kJ.`);
+    words.append(`; dashed: brought in so far, ${digits(energy.in[i] / 1e3, 3)} kJ.`);
   };
 };
 
@@ -344,22 +344,22 @@ const tellCase = () => {
 const tellValues = () => {
   const here = cases.get(state.case);
   boxes.forEach((box) => {
-    const one = cell(here, box.value), item = box.closest("li"), found = one && curves(one);
+    const one = cell(here, box.value), item = box.closest("li"), curve = one && curves(one);
     box.checked = state.shown.has(box.value);
     item.classList.toggle("focus", box.value === state.focus);
     item.classList.toggle("counts", box.value === here.reference);
-    item.querySelector(".value").textContent = !one ? "not asked" : found ? mm(found.d[nearest(found.t, state.time)]) : moves && one.main !== undefined ? `peak ${mm(one.main)}` : outcome(one);
+    item.querySelector(".value").textContent = !one ? "not asked" : curve ? mm(curve.d[nearest(curve.t, state.time)]) : moves && one.main !== undefined ? `peak ${mm(one.main)}` : outcome(one);
   });
 };
 const tellMatrix = () => {
   document.querySelectorAll("#matrix button").forEach((button) => {
     button.setAttribute("aria-pressed", String(state.cell === `${button.dataset.model}\n${button.dataset.group}`));
   });
-  const told = at("cell"), [model, group] = state.cell.split("\n");
-  if (!told) return;
-  told.hidden = !state.cell;
+  const words = at("cell"), [model, group] = state.cell.split("\n");
+  if (!words) return;
+  words.hidden = !state.cell;
   const line = data.matrix.find((one) => one.label === model);
-  if (line) told.textContent = `${model}, ${group}: ${line.cells[group]}. Shown below: ${state.case}.`;
+  if (line) words.textContent = `${model}, ${group}: ${line.cells[group]}. Shown below: ${state.case}.`;
 };
 
 const moveTo = (time) => {
@@ -393,26 +393,26 @@ const play = () => {
 
 // The address holds the state, so that a link opens the same view.
 const settle = () => {
-  const said = new URLSearchParams({ case: state.case, f: state.focus, t: state.time.toPrecision(4) });
-  if (state.group) said.set("g", state.group);
-  if (state.cell) said.set("c", state.cell);
-  ["x", "y", "times"].filter(at).forEach((id) => { if (at(id).selectedIndex > 0) said.set(id, at(id).value); });
-  [...state.shown].forEach((label) => said.append("m", label));
-  history.replaceState(null, "", `#${said}`);
+  const link = new URLSearchParams({ case: state.case, f: state.focus, t: state.time.toPrecision(4) });
+  if (state.group) link.set("g", state.group);
+  if (state.cell) link.set("c", state.cell);
+  ["x", "y", "times"].filter(at).forEach((id) => { if (at(id).selectedIndex > 0) link.set(id, at(id).value); });
+  [...state.shown].forEach((label) => link.append("m", label));
+  history.replaceState(null, "", `#${link}`);
 };
 const restore = () => {
-  const said = new URLSearchParams(location.hash.slice(1)), known = said.getAll("m").filter((label) => models.has(label));
-  state.group = at("group") && Object.hasOwn(data.groups, said.get("g")) ? said.get("g") : "";
+  const link = new URLSearchParams(location.hash.slice(1)), known = link.getAll("m").filter((label) => models.has(label));
+  state.group = at("group") && Object.hasOwn(data.groups, link.get("g")) ? link.get("g") : "";
   const open = inGroup(), answered = open.find((each) => each.cells.some((one) => one.t));
-  const wanted = open.find((each) => each.name === said.get("case")) || answered || open[0] || data.cases[0];
+  const wanted = open.find((each) => each.name === link.get("case")) || answered || open[0] || data.cases[0];
   state.shown = new Set(known.length ? known : data.models.filter((model) => model.shown).map((model) => model.label));
   const plain = data.models.find((model) => model.shown && !model.rank) || data.models[0];
-  state.focus = models.has(said.get("f")) ? said.get("f") : plain.label;
-  state.cell = [...document.querySelectorAll("#matrix button")].map((b) => `${b.dataset.model}\n${b.dataset.group}`).find((key) => key === said.get("c")) || "";
+  state.focus = models.has(link.get("f")) ? link.get("f") : plain.label;
+  state.cell = [...document.querySelectorAll("#matrix button")].map((b) => `${b.dataset.model}\n${b.dataset.group}`).find((key) => key === link.get("c")) || "";
   ["x", "y", "times"].filter(at).forEach((id) => {
-    at(id).selectedIndex = Math.max(0, [...at(id).options].findIndex((option) => option.value === said.get(id)));
+    at(id).selectedIndex = Math.max(0, [...at(id).options].findIndex((option) => option.value === link.get(id)));
   });
-  choose(wanted.name, { time: said.has("t") ? Number(said.get("t")) : NaN });
+  choose(wanted.name, { time: link.has("t") ? Number(link.get("t")) : NaN });
 };
 const refresh = () => {
   drawHistory();
@@ -434,13 +434,13 @@ const choose = (name, { wanted = null, time = NaN } = {}) => {
   at("case").replaceChildren(...open.map((each) => new Option(each.name, each.name, false, each === here)));
   at("focus").value = state.focus;
   axes.forEach((axis) => {
-    const own = here.at[axis.name];
-    if (own === undefined) { if (axis.said) axis.said.textContent = "not given"; return; }
-    if (!axis.stops) { axis.control.value = String(own); return; }
-    if (!wanted) axis.control.value = axis.stops.reduce((k, stop, i) => (away(axis, stop, own) < away(axis, axis.stops[k], own) ? i : k), 0);
-    const asked = axis.stops[axis.control.value], same = Math.abs(asked - own) <= 1e-4 * Math.abs(own);
-    axis.said.textContent = wanted && !same ? `asked ${short(asked)}, has ${short(own)}` : short(own);
-    axis.control.setAttribute("aria-valuetext", axis.said.textContent);
+    const given = here.at[axis.name];
+    if (given === undefined) { if (axis.output) axis.output.textContent = "not given"; return; }
+    if (!axis.stops) { axis.control.value = String(given); return; }
+    if (!wanted) axis.control.value = axis.stops.reduce((k, stop, i) => (away(axis, stop, given) < away(axis, axis.stops[k], given) ? i : k), 0);
+    const asked = axis.stops[axis.control.value], same = Math.abs(asked - given) <= 1e-4 * Math.abs(given);
+    axis.output.textContent = wanted && !same ? `asked ${short(asked)}, has ${short(given)}` : short(given);
+    axis.control.setAttribute("aria-valuetext", axis.output.textContent);
   });
   const index = open.indexOf(here);
   at("previous").disabled = index <= 0;
@@ -457,9 +457,9 @@ const away = (axis, a, b) => {
 const slide = (moved) => {
   const wanted = Object.fromEntries(axes.map((axis) => [axis.name, axis.stops ? axis.stops[axis.control.value] : axis.control.value]));
   const far = (each) => axes.reduce((sum, axis) => {
-    const own = each.at[axis.name], weight = axis === moved ? 10 : 1;
-    if (own === undefined) return sum + weight;
-    return sum + weight * (axis.stops ? away(axis, wanted[axis.name], own) ** 2 : String(own) === wanted[axis.name] ? 0 : 4);
+    const given = each.at[axis.name], weight = axis === moved ? 10 : 1;
+    if (given === undefined) return sum + weight;
+    return sum + weight * (axis.stops ? away(axis, wanted[axis.name], given) ** 2 : String(given) === wanted[axis.name] ? 0 : 4);
   }, 0);
   const open = inGroup();
   choose(open.reduce((a, b) => (far(b) < far(a) ? b : a)).name, { wanted });
@@ -519,9 +519,9 @@ at("csv").addEventListener("click", () => {
 });
 at("link").addEventListener("click", () => {
   settle();
-  const told = (words) => { at("told").textContent = words; };
-  const failed = () => told("The address of this page is the link: copy it from the address bar.");
-  if (navigator.clipboard) navigator.clipboard.writeText(location.href).then(() => told("Link copied."), failed);
+  const tell = (words) => { at("told").textContent = words; };
+  const failed = () => tell("The address of this page is the link: copy it from the address bar.");
+  if (navigator.clipboard) navigator.clipboard.writeText(location.href).then(() => tell("Link copied."), failed);
   else failed();
 });
 addEventListener("hashchange", restore);

@@ -29,11 +29,11 @@ const percent = (value) => `${value > 0 ? "+" : ""}${digits(100 * value, 3)} %`;
 const ticks = (low, high, most) => {
   const rough = (high - low) / most, decade = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map((k) => k * decade).find((size) => size >= rough * 0.999);
-  const found = [];
+  const values = [];
   for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i += 1) {
-    found.push(i * step);
+    values.push(i * step);
   }
-  return found;
+  return values;
 };
 const short = (value) => String(Number(value.toPrecision(4))).replace("-", "\u2212");
 
@@ -88,7 +88,7 @@ const between = (plot, xs, low, high, fill, opacity) => {
 };
 const empty = (holder, words) => {
   holder.replaceChildren();
-  const told = holder.appendChild(document.createElement("p"));
-  told.className = "hint";
-  told.textContent = words;
+  const paragraph = holder.appendChild(document.createElement("p"));
+  paragraph.className = "hint";
+  paragraph.textContent = words;
 };
