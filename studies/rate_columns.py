@@ -34,7 +34,6 @@ from workbench.models.superelements import FlexibleSuperelement, RigidSupereleme
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.fiber_shear import FiberShear
 from workbench.references.solid import SolidPlaneStress
-from workbench.registry import make_model
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact, Striker
 from workbench.sections import find
@@ -58,6 +57,11 @@ TURNING, BAR, RATES = 0.5, 3.0, (0.5, 2.0, 8.0)  # hinges at a constant rate: ra
 DEMAND, PANELS = "V/Vpl of the mechanism", "4-DOF with panels"
 BARS_PANELS = "flexible superelements with panels"
 STATIC = "4-DOF, static"
+RULED = {  # that a rule is asked of
+    "four-dof": FourDof(),
+    "single-dof": SingleDof(),
+    "flexible-superelement": FlexibleSuperelement(shear="none"),
+}
 
 
 @dataclass(frozen=True)
@@ -65,10 +69,10 @@ class ByRule(Answering):
     """A `model` with a yield stress by a `rule`: a factor, or a hinge of one height."""
 
     rule: str = checked(Choice((*FACTORS, "height")), "static")
-    model: str = checked(Choice(("four-dof", "single-dof", "flexible-superelement")), "four-dof")
+    model: str = checked(Choice(tuple(RULED)), "four-dof")
 
     name: ClassVar[str] = "yield-stress-by-rule"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "A model with one factor on the yield stress, of a design rule or of a hinge as long as "
@@ -78,13 +82,12 @@ class ByRule(Answering):
     material: ClassVar[tuple[str, ...]] = ("rate",)
 
     def domain(self, scenario: ColumnImpact) -> list[Finding]:
-        """Findings of the model."""
-        return make_model(self.model).domain(scenario)
+        """No findings but those that come with the answer of the model."""
+        return []
 
     def _solve(self, scenario: ColumnImpact) -> Response:
         factor = FACTORS.get(self.rule) or self._of_height(scenario)
-        model: Any = make_model(self.model)
-        return model._solve(stronger(scenario, factor))
+        return RULED[self.model].simulate(stronger(scenario, factor))
 
     def _of_height(self, scenario: ColumnImpact) -> float:
         column, striker = scenario.column, scenario.striker
