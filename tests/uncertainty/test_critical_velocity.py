@@ -2,6 +2,7 @@
 
 from math import exp, inf, log, nan, sqrt
 
+import numpy as np
 import pytest
 
 from workbench.errors import InputError
@@ -18,7 +19,7 @@ from workbench.uncertainty.critical_velocity import (
     grows,
     limit_of,
     ratio_to_reference,
-    slope_at,
+    slopes_at,
 )
 
 ENDS = log(1.0), log(100.0)
@@ -72,6 +73,14 @@ def test_single_dof_meets_its_energy_balance():
     assert exp(root.log_velocity) == pytest.approx(known, rel=3e-4)
 
 
+def together(peak_at):
+    """A function of ln velocity as many structures are asked."""
+    return lambda rows, x: np.array([peak_at(each) for each in x])
+
+
+ONE = np.zeros(1, int)
+
+
 def toy(peak_at):
     asked = Asked.__new__(Asked)
     object.__setattr__(asked, "model", None)
@@ -82,47 +91,60 @@ def toy(peak_at):
 
 def test_peaks_that_fall_again_are_noticed():
     at = log(100.0) / 1.8
-    assert grows(power(1e-3, 1.8), at, Limit(0.1))
-    assert not grows(lambda x: 0.1 * exp(-(x - at)), at, Limit(0.1))
-    assert grows(lambda x: inf, at, Limit(inf))
-    assert not grows(lambda x: 0.3, at, Limit(inf))
+    for peak_at, limit, known in (
+        (power(1e-3, 1.8), Limit(0.1), True),
+        (lambda x: 0.1 * exp(-(x - at)), Limit(0.1), False),
+        (lambda x: inf, Limit(inf), True),
+        (lambda x: 0.3, Limit(inf), False),
+    ):
+        assert grows(together(peak_at), ONE, np.array([at]), limit).tolist() == [known]
 
 
 def test_one_run_gives_the_ratio_of_equal_slopes():
-    reduced, reference = toy(power(1e-3, 1.8)), toy(power(1.05e-3, 1.8))
+    reduced, reference = power(1e-3, 1.8), toy(power(1.05e-3, 1.8))
     at = log(100.0) / 1.8
-    assert slope_at(reduced.peak_at, at, Limit(0.1)) == pytest.approx(1.8)
-    ratio = ratio_to_reference(reference, reduced, Limit(0.1), at, ENDS)
+    slope = float(slopes_at(together(reduced), ONE, np.array([at]), Limit(0.1))[0])
+    assert slope == pytest.approx(1.8)
+    ratio = ratio_to_reference(reference, slope, Limit(0.1), at, ENDS)
     assert ratio.runs == 1
     assert ratio.value == pytest.approx(-log(1.05) / 1.8, abs=1e-9)
 
 
 def test_a_far_reference_is_run_twice():
-    reduced, reference = toy(power(1e-3, 1.8)), toy(lambda x: 0.115 * exp(2.0 * (x - at)))
+    reference = toy(lambda x: 0.115 * exp(2.0 * (x - at)))
     at = log(100.0) / 1.8
-    ratio = ratio_to_reference(reference, reduced, Limit(0.1), at, ENDS)
+    ratio = ratio_to_reference(reference, 1.8, Limit(0.1), at, ENDS)
     assert ratio.runs == 2
     assert ratio.value == pytest.approx(-log(1.15) / 2.0, abs=1e-3)
 
 
 def test_a_reference_that_collapses_is_followed_to_its_limit():
-    reduced = toy(power(1e-3, 1.8))
     at = log(100.0) / 1.8
     reference = toy(lambda x: inf if x > at - 0.07 else 1e-3 * exp(1.8 * x))
-    ratio = ratio_to_reference(reference, reduced, Limit(0.1), at, ENDS)
+    ratio = ratio_to_reference(reference, 1.8, Limit(0.1), at, ENDS)
     assert ratio.value == pytest.approx(-0.07, abs=2e-3)
 
 
 def test_a_reference_that_fails_is_asked_aside_and_else_has_no_ratio():
-    reduced = toy(power(1e-3, 1.8))
     at = log(100.0) / 1.8
     once = toy(lambda x: nan if abs(x - at) < 1e-6 else 1.02e-3 * exp(1.8 * x))
-    ratio = ratio_to_reference(once, reduced, Limit(0.1), at, ENDS)
+    ratio = ratio_to_reference(once, 1.8, Limit(0.1), at, ENDS)
     assert ratio.runs == 2
     assert ratio.value == pytest.approx(-log(1.02) / 1.8, abs=1e-6)
-    never = ratio_to_reference(toy(lambda x: nan), reduced, Limit(0.1), at, ENDS)
+    never = ratio_to_reference(toy(lambda x: nan), 1.8, Limit(0.1), at, ENDS)
     assert never.value != never.value
     assert never.reason == NO_ANSWER
+
+
+def test_slopes_are_one_sided_below_a_collapse_and_none_without_an_answer():
+    at = log(100.0) / 1.8
+
+    def slope_of(peak_at):
+        return slopes_at(together(peak_at), ONE, np.array([at]), Limit(0.1))[0]
+
+    assert slope_of(lambda x: inf if x > at else 1e-3 * exp(1.8 * x)) == pytest.approx(1.8)
+    assert np.isnan(slope_of(lambda x: nan))
+    assert np.isnan(slopes_at(together(power(1e-3, 1.8)), ONE, np.array([at]), Limit(inf))[0])
 
 
 @pytest.mark.parametrize("text", ["displacement", "drift=0.1", "displacement=fast", "0.1"])

@@ -12,10 +12,19 @@ from workbench.cli import run
 from workbench.errors import InputError, WorkbenchError
 from workbench.registry import make_model
 from workbench.uncertainty.certificate import certificate, verify
-from workbench.uncertainty.critical_velocity import Limit
+from workbench.uncertainty.critical_velocity import (
+    ALREADY,
+    BY_COLLAPSE,
+    NEVER,
+    NO_ANSWER,
+    REACHED,
+    Asked,
+    Limit,
+    critical_velocity,
+)
 from workbench.uncertainty.fragility import fragility
 from workbench.uncertainty.inputs import uncertain_from_text
-from workbench.uncertainty.sample_runs import Setup, Target, roots_of
+from workbench.uncertainty.sample_runs import Sampled, Setup, Target
 
 TEXT = f"""{UNCERTAIN}mass = {{ lognormal = {{ mean = 1500.0, cov = 0.1 }} }}
 velocity = 10.0
@@ -38,11 +47,51 @@ def test_band_holds_the_critical_velocities_of_the_better_model(result):
     asked = setup()
     scores = np.vstack([asked.uncertain.normal_scores(64, (1, k)) for k in range(4)])
     truth = Setup(asked.uncertain, asked.reference, None, asked.limit, asked.ends)
-    roots = np.array([root.log_velocity for root in roots_of(truth, scores)])
+    found = Sampled.of(truth, scores, map).roots(truth, np.full(len(scores), log(9.0)))
+    roots = np.array([root.log_velocity for root in found])
     for probability in (0.2, 0.5, 0.8):
         low, _, high = result.curve.velocity(probability)
         margin = 0.35 * roots.std() / np.sqrt(len(roots))  # of 256 points of a Sobol sequence
         assert low - margin <= np.quantile(roots, probability) <= high + margin
+
+
+class Alone:
+    """A model that answers no stacks."""
+
+    def __init__(self, model):
+        self.model, self.name = model, model.name
+
+    def simulate(self, scenario):
+        return self.model.simulate(scenario)
+
+
+@pytest.mark.parametrize("alone", [False, True])
+@pytest.mark.parametrize(
+    ("limit", "ends", "duration", "kinds"),
+    [
+        (Limit(0.1), (5.0, 20.0), 0.01, {REACHED, NO_ANSWER}),  # records that are made longer
+        (Limit(0.9), (5.0, 20.0), 0.2, {REACHED, BY_COLLAPSE, NO_ANSWER}),
+        (Limit(0.2), (2.0, 3.8), 0.2, {REACHED, NEVER, NO_ANSWER}),
+        (Limit(0.05), (19.0, 40.0), 0.2, {REACHED, ALREADY, NO_ANSWER}),
+    ],
+)
+def test_searches_in_step_are_those_of_single_calls(alone, limit, ends, duration, kinds):
+    text = TEXT.replace("mean = 500e3, cov = 0.15", "mean = 1e6, cov = 1.5")  # some are squashed
+    uncertain = uncertain_from_text(text, [f"time.duration={duration}"])
+    model = make_model("single-dof")
+    asked = Setup(uncertain, Alone(model) if alone else model, None, limit, ends)
+    scores = uncertain.normal_scores(96, (1, 0))
+    starts = np.full(len(scores), log(9.0))
+    together = Sampled.of(asked, scores, map).roots(asked, starts)
+    assert kinds <= {root.kind for root in together}
+    for scenario, start, root in zip(uncertain.scenarios(scores), starts, together, strict=True):
+        if isinstance(scenario, InputError):
+            assert root.kind == NO_ANSWER
+            continue
+        single = critical_velocity(Asked(model, scenario).peak_at, limit, start, asked.search)
+        assert (root.kind, root.runs) == (single.kind, single.runs)
+        known = pytest.approx(single.log_velocity, abs=1e-9, nan_ok=True)
+        assert root.log_velocity == known
 
 
 def test_result_says_what_it_rests_on(result):

@@ -15,16 +15,11 @@ from workbench.errors import InputError
 from workbench.models.base import on_one_mesh
 from workbench.registry import make_model
 from workbench.responses.provenance import provenance
-from workbench.uncertainty.critical_velocity import (
-    Asked,
-    Limit,
-    critical_velocity,
-    ratio_to_reference,
-)
+from workbench.uncertainty.critical_velocity import Limit, slopes_at
 from workbench.uncertainty.fragility import CHECKED, LOOKS, SCRAMBLES, Fragility
 from workbench.uncertainty.fragility_curve import LEVEL
 from workbench.uncertainty.inputs import uncertain_from_text
-from workbench.uncertainty.sample_runs import Setup
+from workbench.uncertainty.sample_runs import Sampled, Setup, ratio_at
 
 KIND, FORMAT = "fragility", 1
 SAME = 5e-4  # ln velocity: searches that start elsewhere end as close
@@ -116,18 +111,19 @@ def verify(content: Mapping[str, Any], seed: int) -> list[Checked]:
     if not samples or not all(0 <= sample < setup.samples for sample in samples):
         raise InputError("certificate.references", samples, "must name samples of the sequence")
     count = min(len(samples), max(LEAST, ceil(len(samples) / 10)))
-    chosen = np.random.default_rng(seed).choice(len(samples), count, replace=False)
+    chosen = np.sort(np.random.default_rng(seed).choice(len(samples), count, replace=False))
+    scores = []
+    for sample in np.array(samples)[chosen].tolist():
+        scramble, number = divmod(sample, each)
+        scores.append(setup.uncertain.normal_scores(1, (setup.seed, scramble), number))
+    reduced = Sampled.of(setup, np.vstack(scores), map)
+    roots = reduced.roots(setup, np.array(velocities)[chosen])
+    at = np.array([root.log_velocity for root in roots])
+    slopes = slopes_at(reduced.peaks_at, np.arange(count), at, setup.limit)
     checked = []
-    for k in sorted(chosen.tolist()):
-        scramble, number = divmod(samples[k], each)
-        scores = setup.uncertain.normal_scores(1, (setup.seed, scramble), number)
-        scenario = next(setup.uncertain.scenarios(scores))
-        reduced = Asked(setup.reduced, scenario)
-        root = critical_velocity(reduced.peak_at, setup.limit, velocities[k], setup.search)
-        asked = Asked(setup.reference, scenario)
-        search = (setup.limit, root.log_velocity, setup.search)
-        ratio = ratio_to_reference(asked, reduced, *search)
-        again = root.log_velocity + ratio.value - velocities[k]
+    tasks = list(zip(scores, at.tolist(), slopes.tolist(), strict=True))
+    for k, task in zip(chosen.tolist(), tasks, strict=True):
+        again = task[1] + ratio_at(setup, task).value - velocities[k]
         known = stated[k]
         agrees = isclose(again, known, abs_tol=SAME) if known is not None else not isfinite(again)
         checked.append(Checked(samples[k], known, again, agrees))

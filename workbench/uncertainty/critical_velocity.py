@@ -4,11 +4,14 @@ If the peak grows with the velocity, every sample of the inputs has one critical
 probability of exceedance over velocity is its distribution function.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, replace
 from math import exp, inf, isfinite, isnan, log, nan
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from workbench.arrays import Array, Flags, Indices
 from workbench.errors import InputError, WorkbenchError
 from workbench.evidence.error_model import PEAK
 from workbench.fields import Number
@@ -21,6 +24,7 @@ REACHED, BY_COLLAPSE, NEVER, ALREADY, NO_ANSWER = (
     *("reached", "by collapse", "never reached", "reached already", "no answer"),
 )
 LONGEST_STEP, SLOPES = 0.25, (0.5, 8.0)  # of ln velocity; d ln peak / d ln velocity
+STRIDE = 0.04  # of ln velocity, the first towards a collapse
 CLOSE = 2e-4  # ln peak, at the critical velocity of a reduced model
 COARSE = 2e-3  # the same of a reference, and its bracket of a collapse
 MOST_RUNS = 40
@@ -87,6 +91,10 @@ def limit_of(text: str) -> Limit:
     return Limit(number)
 
 
+Search = Generator[float, float, Root]
+PeaksAt = Callable[[Indices, Array], Array]  # peaks (rows,) of some rows, each at a ln velocity
+
+
 def critical_velocity(
     peak_at: Callable[[float], float],
     limit: Limit,
@@ -94,18 +102,51 @@ def critical_velocity(
     ends: tuple[float, float],
     close: float = CLOSE,
 ) -> Root:
-    """Find the velocity at which the peak reaches the limit.
+    """Find the velocity at which the peak of one structure reaches the limit, as `search` does.
+
+    `peak_at` as `Asked.peak_at`.
+    """
+
+    def peaks_at(rows: Indices, log_velocity: Array) -> Array:
+        return np.array([peak_at(float(log_velocity[0]))])
+
+    return in_step([search(limit, start, ends, close)], peaks_at)[0]
+
+
+def in_step(searches: Sequence[Search], peaks_at: PeaksAt) -> list[Root]:
+    """Follow searches together: in each step all that are still open are asked at once."""
+    points = np.array([next(each) for each in searches])
+    roots: dict[int, Root] = {}
+    while len(roots) < len(searches):
+        rows = np.array([row for row in range(len(searches)) if row not in roots])
+        for row, peak in zip(rows.tolist(), peaks_at(rows, points[rows]).tolist(), strict=True):
+            try:
+                points[row] = searches[row].send(peak)
+            except StopIteration as end:
+                roots[row] = end.value
+    return [roots[row] for row in range(len(searches))]
+
+
+def search(
+    limit: Limit,
+    start: float,
+    ends: tuple[float, float],
+    close: float = CLOSE,
+    stride: float = STRIDE,
+) -> Search:
+    """Search the velocity at which a peak reaches the limit: asks ln velocities, is sent peaks.
 
     Secant in ln velocity and ln peak, halved between brackets where a collapse is in the way.
-    `peak_at` as `Asked.peak_at`; `start`, `ends`: ln velocity to start from and range to search;
-    `close`, tolerance of ln peak, and of ln velocity at a collapse.
+    A peak (m) is infinite for collapse, NaN without an answer. `start`, `ends`: ln velocity to
+    start from and range to search; `close`, tolerance of ln peak, and of ln velocity at a collapse;
+    `stride`, first step in ln velocity where there is no slope to follow.
     """
     d, x = limit.displacement, min(max(start, ends[0]), ends[1])
     below, above, collapsed = nan, nan, False
     last: tuple[float, float] | None = None  # ln velocity, ln peak
-    slope, stride = 1.8, 0.04
+    slope = 1.8
     for run in range(1, MOST_RUNS + 1):
-        peak = peak_at(x)
+        peak = yield x
         if isnan(peak) or peak <= 0.0:
             return Root(nan, NO_ANSWER, run)
         if isfinite(peak) and isfinite(d) and abs(log(peak / d)) <= close:
@@ -140,22 +181,24 @@ def critical_velocity(
     return Root(nan, NO_ANSWER, MOST_RUNS)
 
 
-def slope_at(peak_at: Callable[[float], float], log_velocity: float, limit: Limit) -> float:
-    """Slope d ln peak / d ln velocity at a critical velocity, from two runs beside it."""
-    low, high = peak_at(log_velocity - ASIDE), peak_at(log_velocity + ASIDE)
-    if isfinite(low) and isfinite(high):
-        slope = log(high / low) / (2.0 * ASIDE)
-    elif isfinite(low):
-        slope = log(limit.displacement / low) / ASIDE
-    else:
-        return nan
-    return min(max(slope, SLOPES[0]), SLOPES[1])
+def slopes_at(peaks_at: PeaksAt, rows: Indices, log_velocity: Array, limit: Limit) -> Array:
+    """Slopes d ln peak / d ln velocity at critical velocities, from two runs beside each.
+
+    NaN where there is none, as at a collapse.
+    """
+    if not isfinite(limit.displacement):
+        return np.full(len(rows), nan)
+    low, high = (peaks_at(rows, log_velocity + offset) for offset in (-ASIDE, ASIDE))
+    low = np.where(np.isfinite(low), low, nan)
+    both = np.log(high / low) / (2.0 * ASIDE)
+    slopes = np.where(np.isfinite(high), both, np.log(limit.displacement / low) / ASIDE)
+    return np.asarray(np.clip(slopes, *SLOPES))
 
 
-def grows(peak_at: Callable[[float], float], log_velocity: float, limit: Limit) -> bool:
-    """Whether the limit is still passed 5 % above the critical velocity, as far as is known."""
-    peak = peak_at(log_velocity + log(1.05))
-    return isnan(peak) or peak >= limit.displacement
+def grows(peaks_at: PeaksAt, rows: Indices, log_velocity: Array, limit: Limit) -> Flags:
+    """Whether the limit is still passed 5 % above the critical velocities, as far as is known."""
+    peaks = peaks_at(rows, log_velocity + log(1.05))
+    return np.asarray(np.isnan(peaks) | (peaks >= limit.displacement))
 
 
 class Ratio(NamedTuple):
@@ -171,17 +214,15 @@ class Ratio(NamedTuple):
 
 
 def ratio_to_reference(
-    reference: Asked, reduced: Asked, limit: Limit, log_velocity: float, ends: tuple[float, float]
+    reference: Asked, slope: float, limit: Limit, log_velocity: float, ends: tuple[float, float]
 ) -> Ratio:
     """The log ratio of critical velocities at one sample, mostly by one run of the reference.
 
-    e = -ln(peak / limit) / slope at the critical velocity of the reduced model. Where the reference
-    collapses, or the limit is collapse, its own critical velocity is searched. A reference without
-    an answer is asked a little aside, then on a coarser mesh.
+    e = -ln(peak / limit) / slope, critical velocity and slope (NaN: none) those of the reduced
+    model. Where the reference collapses, or the limit is collapse, its own critical velocity is
+    searched. A reference without an answer is asked a little aside, then on a coarser mesh.
     """
-    slope, d, runs = nan, limit.displacement, 0
-    if isfinite(d):
-        slope = slope_at(reduced.peak_at, log_velocity, limit)
+    d, runs = limit.displacement, 0
     offsets = (0.0, -ASIDE, ASIDE) if isfinite(slope) else ()
     for variant in (reference, _coarser(reference)) if isfinite(slope) else ():
         for offset in offsets:

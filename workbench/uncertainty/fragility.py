@@ -15,15 +15,19 @@ from time import perf_counter
 import numpy as np
 from scipy.stats import t as student
 
-from workbench.arrays import Array
+from workbench.arrays import Array, Indices
 from workbench.errors import InputError, WorkbenchError
 from workbench.uncertainty.critical_velocity import (
     ALREADY,
     BEYOND,
     BY_COLLAPSE,
+    CLOSE,
     NO_ANSWER,
+    STRIDE,
     Ratio,
     Root,
+    grows,
+    slopes_at,
 )
 from workbench.uncertainty.fragility_curve import (
     LEVEL,
@@ -35,12 +39,11 @@ from workbench.uncertainty.fragility_curve import (
 from workbench.uncertainty.sample_runs import (
     Processes,
     Run,
+    Sampled,
     Setup,
     Target,
-    grows_at,
     on_finer_mesh,
     ratio_at,
-    roots_of,
 )
 
 SCRAMBLES, PILOT = 16, 64  # independent sequences of samples; samples before all others
@@ -116,6 +119,7 @@ def fragility(setup: Setup, say: Callable[[str], None] = lambda text: None) -> F
     with Processes(setup.jobs) as run:
         roots, population, kinds = survey(setup, run)
         scores = population.inputs
+        sampled = Sampled.of(setup, scores, run)
         seconds = {"samples": perf_counter() - started}
         say(f"{len(roots)} samples in {seconds['samples']:.1f} s")
         random = np.random.default_rng((setup.seed, SCRAMBLES))
@@ -123,18 +127,23 @@ def fragility(setup: Setup, say: Callable[[str], None] = lambda text: None) -> F
         counts = LOOKS if setup.references is None else (setup.references,)
         places = place_references(population, counts[-1], offset)
         checked = place_references(population, CHECKED, offset)
-        grown = list(run(partial(grows_at, setup), _tasks(checked, scores, population)))
+        y = population.log_velocity
+        grown = grows(sampled.peaks_at, checked, y[checked], setup.limit)
+        slopes = slopes_at(sampled.peaks_at, places, y[places], setup.limit)
         ratios: list[Ratio] = []
         numerical: float | None = None
         shift, mesh_runs = 0.0, 0
         spent, mesh_spent = 0.0, 0.0
         look, finer, looked = 0, 0, len(counts) > 1
         count, dominates = 0, False
+        tasks = [
+            (scores[place : place + 1], float(y[place]), float(slope))
+            for place, slope in zip(places, slopes, strict=True)
+        ]
         while True:
             if count < counts[look]:
                 begun, count = perf_counter(), counts[look]
-                new = places[len(ratios) : count]
-                ratios += run(partial(ratio_at, setup), _tasks(new, scores, population))
+                ratios += run(partial(ratio_at, setup), tasks[len(ratios) : count])
                 spent += perf_counter() - begun
             if setup.meshes and (not finer or dominates):
                 begun, finer = perf_counter(), finer + 1
@@ -171,7 +180,7 @@ def fragility(setup: Setup, say: Callable[[str], None] = lambda text: None) -> F
         *(setup, curve, without, reduced, numerical, shift, population, used, ratios, kinds, runs),
         {**seconds, "all": perf_counter() - started},
         looked,
-        grown.count(False),
+        int((~grown).sum()),
     )
 
 
@@ -195,17 +204,36 @@ def _refuse_far_limits(setup: Setup, roots: list[Root]) -> None:
 def survey(setup: Setup, run: Run) -> tuple[list[Root], Population, dict[str, int]]:
     """Critical velocities of all samples by the reduced model, and how many of each kind.
 
-    A scramble is a task. Raises `InputError` and `WorkbenchError` as `fragility`.
+    The first of them say where all others start. Raises `InputError` and `WorkbenchError` as
+    `fragility`.
     """
     if not setup.uncertain.inputs:
         text = "has no uncertain input"
         advice = 'write a distribution, such as yield_stress = { jcss = "S355" }'
         raise InputError("scenario", setup.uncertain.base.name, text, advice)
     scores, scrambles = _scores(setup)
-    _refuse_far_limits(setup, roots_of(setup, scores[:PILOT]))
-    parts = np.split(scores, SCRAMBLES)  # whatever the number of processes: searches start alike
-    roots = [root for part in run(partial(roots_of, setup), parts) for root in part]
+    middle = np.full(PILOT, log(setup.ends[0] * setup.ends[1]) / 2.0)
+    pilot = Sampled.of(setup, scores[:PILOT], run).roots(setup, middle)
+    _refuse_far_limits(setup, pilot)
+    roots = Sampled.of(setup, scores, run).roots(setup, *_starts(pilot, scores))
     return roots, *_population(roots, scores, scrambles)
+
+
+def _starts(pilot: list[Root], scores: Array) -> tuple[Array, float]:
+    """Ln velocities (samples,) near the critical ones, linear in the scores, and how near.
+
+    By the first samples; their mean where too few of those have a critical velocity.
+    """
+    known = np.array([root.log_velocity for root in pilot])
+    finite = np.isfinite(known)
+    columns = np.column_stack([np.ones(len(scores)), scores])
+    given = columns[: len(pilot)][finite]
+    freedom = len(given) - given.shape[1]
+    if freedom < given.shape[1]:
+        return np.full(len(scores), known[finite].mean()), STRIDE
+    fit = np.linalg.lstsq(given, known[finite])[0]
+    scatter = np.sqrt(((known[finite] - given @ fit) ** 2).sum() / freedom)
+    return columns @ fit, max(2.0 * float(scatter), CLOSE)
 
 
 def _population(
@@ -235,14 +263,10 @@ def _population(
     return Population(u, scores, classes, scrambles), kinds
 
 
-def _tasks(places: Array, scores: Array, population: Population) -> list[tuple[Array, float]]:
-    return [(scores[p : p + 1], float(population.log_velocity[p])) for p in places]
-
-
 def _mesh(
     setup: Setup,
     finer: int,
-    places: Array,
+    places: Indices,
     ratios: list[Ratio],
     scores: Array,
     population: Population,
@@ -269,7 +293,7 @@ def _mesh(
 def _curve(
     setup: Setup,
     population: Population,
-    places: Array,
+    places: Indices,
     ratios: list[Ratio],
     shift: float,
     looked: bool,

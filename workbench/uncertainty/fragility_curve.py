@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from workbench.arrays import Array
+from workbench.arrays import Array, Indices
 from workbench.uncertainty.critical_ratio import Columns, Posterior, columns_of, learn
 
 LEVEL = 0.90  # of all bands
@@ -108,7 +108,7 @@ def _inverse(edge: Array, u: Array, probability: float) -> float:
     return float(u[at - 1] + share * (u[at] - u[at - 1]))
 
 
-def place_references(population: Population, count: int, offset: float) -> Array:
+def place_references(population: Population, count: int, offset: float) -> Indices:
     """Samples to run the reference at: random given the critical velocity, and nested.
 
     Each class takes its turn by its share; within a class reference k stands at the probability
@@ -147,7 +147,7 @@ def _van_der_corput(number: int) -> float:
 
 def fragility_curve(
     population: Population,
-    places: Array,
+    places: Indices,
     ratios: Array,
     random: np.random.Generator,
     *,

@@ -6,38 +6,44 @@ from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from functools import partial
-from math import exp, isfinite, log, nan
+from math import exp, isfinite, log
 from multiprocessing import get_context
 from typing import Any, NamedTuple
 
+import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from workbench.arrays import Array
-from workbench.errors import InputError, WorkbenchError
+from workbench.arrays import Array, Indices
+from workbench.errors import WorkbenchError
 from workbench.evidence.error_model import PEAK
 from workbench.models.base import Model, on_one_mesh
 from workbench.models.batch import FAILURE, OUTCOME, can_stack, simulate_many
 from workbench.responses import SCALARS, Outcome, outcome_of
 from workbench.responses.uncertainty import WIDTHS
 from workbench.scenarios import Scenario
-from workbench.scenarios.varied import Varied
+from workbench.scenarios.column import DURATION
+from workbench.scenarios.varied import Path_, Varied
+from workbench.study.limit import LONGER
 from workbench.uncertainty.critical_velocity import (
     BEYOND,
     COARSE,
-    NO_ANSWER,
+    STRIDE,
     Asked,
     Limit,
     Ratio,
     Root,
     critical_velocity,
-    grows,
+    in_step,
     ratio_to_reference,
+    search,
 )
 from workbench.uncertainty.inputs import UncertainScenario
 
 MESH_LEVELS = 6  # of the runs on finer meshes
-CHUNK = 256  # scenarios that a process answers at a time
+CHUNK, PARTS = 256, 8  # scenarios that a process answers at a time, at most; times that it is asked
+VELOCITY: Path_ = ("striker", "velocity")
+RECORD: Path_ = ("time", "duration")
 
 
 class Target(NamedTuple):
@@ -74,33 +80,12 @@ class Setup:
         return log(self.ends[0] / BEYOND), log(self.ends[1] * BEYOND)
 
 
-def roots_of(setup: Setup, scores: Array) -> list[Root]:
-    """Critical velocities of some samples; each search starts from the one before."""
-    start, roots = log(setup.ends[0] * setup.ends[1]) / 2.0, []
-    for scenario in setup.uncertain.scenarios(scores):
-        if isinstance(scenario, InputError):
-            roots.append(Root(nan, NO_ANSWER, 0))
-            continue
-        asked = Asked(setup.reduced, scenario)
-        root = critical_velocity(asked.peak_at, setup.limit, start, setup.search)
-        roots.append(root)
-        if isfinite(root.log_velocity):
-            start = root.log_velocity
-    return roots
-
-
-def ratio_at(setup: Setup, task: tuple[Array, float]) -> Ratio:
-    """The ratio at one sample."""
-    scenario = next(setup.uncertain.scenarios(task[0]))
+def ratio_at(setup: Setup, task: tuple[Array, float, float]) -> Ratio:
+    """The ratio at one sample: its scores, ln critical velocity and slope by the reduced model."""
+    scores, log_velocity, slope = task
+    scenario = next(setup.uncertain.scenarios(scores))
     reference = Asked(on_one_mesh(setup.reference), scenario)
-    reduced = Asked(setup.reduced, scenario)
-    return ratio_to_reference(reference, reduced, setup.limit, task[1], setup.search)
-
-
-def grows_at(setup: Setup, task: tuple[Array, float]) -> bool:
-    """Whether the peak of one sample by the reduced model grows with the velocity."""
-    scenario = next(setup.uncertain.scenarios(task[0]))
-    return grows(Asked(setup.reduced, scenario).peak_at, task[1], setup.limit)
+    return ratio_to_reference(reference, slope, setup.limit, log_velocity, setup.search)
 
 
 def on_finer_mesh(
@@ -165,17 +150,79 @@ def _one_thread() -> None:
     threadpool_limits(1)
 
 
+@dataclass(frozen=True)
+class Sampled:
+    """Samples of the inputs, asked together by one model at velocities of their own.
+
+    `varied`, their scenarios; `like`, one of them; `run` and `jobs` of the processes.
+    """
+
+    model: Any
+    varied: Varied
+    like: Any
+    run: Run = map
+    jobs: int = 1
+
+    @classmethod
+    def of(cls, setup: Setup, scores: Array, run: Run) -> "Sampled":
+        """Those of normal scores (samples, inputs), asked by the reduced model."""
+        uncertain = setup.uncertain
+        return cls(setup.reduced, uncertain.varied(scores), uncertain.base, run, setup.jobs)
+
+    def peaks_at(self, rows: Indices, log_velocity: Array) -> Array:
+        """Peaks (rows,) in m of some rows at ln velocities, as `PeaksAt`."""
+        return self.peaks({**self._values(rows), VELOCITY: np.exp(log_velocity)})
+
+    def peaks(self, values: dict[Path_, Array] | None = None, longer: int = 0) -> Array:
+        """Peaks (rows,) in m: infinite for collapse, NaN without an answer.
+
+        `values` of the inputs by row in place of all samples; a record that ends before its peak is
+        made `longer`, as `study.limit.ask` does.
+        """
+        values = self._values(slice(None)) if values is None else values
+        count = len(next(iter(values.values())))
+        duration = np.asarray(values.get(RECORD, np.full(count, self.like.duration)), float)
+        asked = Varied(self.varied.tables, {**values, RECORD: duration})
+        table = answers_by(self.run, self.jobs, self.model, asked, self.like)
+        peaks = np.full(count, np.nan)
+        if PEAK in table:
+            peaks = table[PEAK].to_numpy(copy=True)
+        peaks[table[OUTCOME] == Outcome.COLLAPSE.value] = np.inf
+        undecided = (table[OUTCOME] == Outcome.OK.value).to_numpy() & np.isnan(peaks)
+        undecided &= 2.0 * duration <= DURATION.high
+        if longer < LONGER and undecided.any():
+            again = {path: column[undecided] for path, column in asked.by_key.items()}
+            again[RECORD] = 2.0 * duration[undecided]
+            peaks[undecided] = self.peaks(again, longer + 1)
+        return peaks
+
+    def _values(self, rows: Any) -> dict[Path_, Array]:
+        return {path: np.asarray(each)[rows] for path, each in self.varied.by_key.items()}
+
+    def roots(self, setup: Setup, starts: Array, stride: float = STRIDE) -> list[Root]:
+        """Critical velocities of all samples; searches start from ln velocities (samples,)."""
+        ends = setup.search
+        searches = [search(setup.limit, float(x), ends, stride=stride) for x in starts]
+        return in_step(searches, self.peaks_at)
+
+
 def answers_of(model: Model, varied: Varied, like: Scenario, jobs: int = 1) -> pd.DataFrame:
     """Answers of a model by row, see `simulate_many`, in so many threads or else processes.
 
     `like`, one of the scenarios.
     """
+    with Processes(1 if len(varied) <= CHUNK else jobs) as run:
+        return answers_by(run, jobs, model, varied, like)
+
+
+def answers_by(run: Run, jobs: int, model: Model, varied: Varied, like: Scenario) -> pd.DataFrame:
+    """As `answers_of`, by the processes of a `run`; they only start where answers do not stack."""
     if can_stack(model, like):
         return simulate_many(model, varied, jobs)
-    parts = [varied[k : k + CHUNK] for k in range(0, len(varied), CHUNK)]
-    with Processes(1 if len(parts) == 1 else jobs) as run:
-        tables = run(partial(simulate_many, model, threads=1), parts)
-        whole: pd.DataFrame = pd.concat(tables, ignore_index=True)
+    size = min(CHUNK, max(1, len(varied) // (PARTS * jobs)))
+    parts = [varied[k : k + size] for k in range(0, len(varied), size)]
+    tables = run(partial(simulate_many, model, threads=1), parts)
+    whole: pd.DataFrame = pd.concat(tables, ignore_index=True)
     return whole[[*(name for name in SCALARS if name in whole), OUTCOME, FAILURE]]
 
 
