@@ -14,6 +14,7 @@ from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.single_dof import SingleDof
 from workbench.models.soft_impact import SoftImpact
+from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import outcome_of, scalars_of
 from workbench.scenarios.varied import Varied, stacks, take
 
@@ -81,6 +82,8 @@ MODELS = {
     "hinges": FourDof(),
     "panels": FourDofShear(),
     "soft": SoftImpact(striker_stiffness=3e6, crush_force=4e5),
+    "rigid bars": RigidSuperelement(accuracy=0.03),
+    "beams": FlexibleSuperelement(accuracy=0.03, shear="none"),
 }
 
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from workbench.errors import CollapseError
-from workbench.frames.record import Record, StruckRecord, show
+from workbench.frames.record import Record
+from workbench.frames.struck import StruckRecord, show
 from workbench.impact.pace import Pace
 from workbench.models.frame_model import as_frame
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement

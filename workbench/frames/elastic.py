@@ -227,6 +227,11 @@ class DeadLoadState(NamedTuple):
 
 def dead_load_state(frame: Frame) -> DeadLoadState:
     """First-order axial forces and buckling factor under the dead loads of a frame."""
+    return _dead_load_state(_of_one_strength(frame))
+
+
+@lru_cache(maxsize=64)
+def _dead_load_state(frame: Frame) -> DeadLoadState:
     elastic = ElasticFrame(frame, springs=False, parts=HALVES)
     moved = None if elastic.is_mechanism else elastic.displacement(elastic.load(frame.loads))
     if moved is None:
@@ -281,13 +286,23 @@ def time_to_peak(scenario: FrameImpact, shear_flexible: bool = False) -> float:
     return max(elastic, striker.mass * striker.velocity / resistance)
 
 
-@lru_cache(maxsize=64)
+def _of_one_strength(frame: Frame) -> Frame:
+    """The same elastic frame, whatever the strength of its steel: what elastic results go by."""
+    steel = frame.steel.unchecked(yield_stress=1.0, hardening_modulus=None, rate=None)
+    return frame.unchecked(steel=steel)
+
+
 def slowest_period(frame: Frame, node: str, direction: str) -> float:
     """Longest period (s) of those that a blow on a node along a direction makes felt.
 
     Of the elastic frame; dead loads lengthen it by no more than they soften the mode in which it
     buckles.
     """
+    return _slowest_period(_of_one_strength(frame), node, direction)
+
+
+@lru_cache(maxsize=64)
+def _slowest_period(frame: Frame, node: str, direction: str) -> float:
     elastic = ElasticFrame(frame, parts=HALVES)
     blow = elastic.load([Load(node, **{direction[-1]: 1.0})])
     periods, swings = elastic.vibrations(blow)

@@ -1,7 +1,7 @@
 """What a run of a frame records at every committed step: histories, and pictures of the frame."""
 
 from operator import attrgetter
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -9,8 +9,6 @@ from workbench.arrays import Array, Indices
 from workbench.frames import collapse
 from workbench.frames.structure import FrameStructure, upright_names
 from workbench.structures.paths import PathStep
-from workbench.structures.superelements import Superelements, SuperelementState
-from workbench.structures.superelements.march import CollapseLimits, Records
 from workbench.structures.time_steps import TimeStep
 
 LEAST_FLOW = 1e-9  # of the stored energy; below it a yield ratio says nothing
@@ -155,30 +153,41 @@ class Record:
         self.watch.check(self.displacement, at if self._timed else None)
 
     def _see(self, at: Any, turns: bool) -> None:
+        """Read the committed state, and what it looks like."""
         members, assembly = self.structure.members, self.structure.assembly
-        moved, watched = assembly.displacement - self.structure.start, self.structure.watched
-        seen = {
-            "at": at,
-            "displacement": self.displacement,
-            "velocity": self._sign * assembly.velocity[..., self._dof],
-            "elastic": assembly.stored,
+        watched, moved = self.structure.watched, self._read(at)
+        self._append(
+            moment=self.structure.sense * members.moments(),
+            dead_work=moved @ assembly.load,
             **{n: sign * assembly.displacement[..., d] for n, (d, sign) in watched.items()},
-            "dead_work": moved @ assembly.load,
-            "axial_force": members.axial_forces(),
-            "moment": self.structure.sense * members.moments(),
-            "plastic_rotation": self.structure.sense * members.plastic_rotations(),
-            "sliding": members.plastic_shear(),
-        }
-        for name, values in seen.items():
-            self._rows.setdefault(name, []).append(values)
+        )
         for row, shear in enumerate((members.shear_forces(), members.unyielding_shear())):
             np.maximum(self._most[row], _largest(shear), out=self._most[row])
-        self.drift = np.maximum(self.drift, _largest(self.watch.drifts(moved)))
         strains = members.shear_strains()
         if strains is not None:
             known = 0.0 if self.shear_strain is None else self.shear_strain
             self.shear_strain = np.maximum(known, strains)
-        self._snapshots.see(at, seen["displacement"], turns=turns)
+        self._snapshots.see(at, self._rows["displacement"][-1], turns=turns)
+
+    def _read(self, at: Any) -> Array:
+        """Read what the scalars of a response follow from; return the displacements (dofs,)."""
+        members, assembly = self.structure.members, self.structure.assembly
+        self._append(
+            at=at,
+            displacement=self.displacement,
+            velocity=self._sign * assembly.velocity[..., self._dof],
+            elastic=assembly.stored,
+            axial_force=members.axial_forces(),
+            plastic_rotation=self.structure.sense * members.plastic_rotations(),
+            sliding=members.plastic_shear(),
+        )
+        moved: Array = assembly.displacement - self.structure.start
+        self.drift = np.maximum(self.drift, _largest(self.watch.drifts(moved)))
+        return moved
+
+    def _append(self, **seen: Any) -> None:
+        for name, values in seen.items():
+            self._rows.setdefault(name, []).append(values)
 
     def column(self, name: str) -> Array:
         """History of a scalar (steps,), or of one of each hinge (hinges, steps)."""
@@ -202,14 +211,18 @@ class Record:
 
     def states(self) -> dict[str, Any]:
         """Variables of hinges, members, watched dofs and snapshots."""
-        webs = () if self._rows["sliding"][0] is None else ("sliding",)
-        names = "axial_force", "moment", "plastic_rotation", *webs
         return {
-            **self.columns(*self.structure.watched, *names),
+            **self.columns(*self.structure.watched, "moment"),
+            **self.of_parts(),
             "shear_utilisation": self.shear_utilisation(),
-            "drift": self.drift if len(self.drift) and not self.structure.is_column else None,
             **self._snapshots.values(),
         }
+
+    def of_parts(self) -> dict[str, Any]:
+        """Variables of hinges and members that have extremes."""
+        webs = () if self._rows["sliding"][0] is None else ("sliding",)
+        drift = self.drift if len(self.drift) and not self.structure.is_column else None
+        return {**self.columns("axial_force", "plastic_rotation", *webs), "drift": drift}
 
     def shear_utilisation(self) -> Array:
         """Largest shear force of each member (members,) over its plastic shear resistance."""
@@ -249,94 +262,3 @@ class Record:
 def _largest(values: Array) -> Array:
     """Of several states (states, n), or of one (n,)."""
     return values if values.ndim == 1 else np.asarray(values.max(axis=0))
-
-
-_COLUMNS = {"impulse": "percussion", "striker.velocity": "striker_velocity"}
-
-
-def show(structure: FrameStructure, records: Records, rows: Any) -> None:
-    """Make a structure show the states of these `rows` of the records, for its readers."""
-    (group,) = structure.assembly.groups
-    cast(Superelements, group).show(SuperelementState(*(each[rows] for each in records.states)))
-    structure.assembly.show(records.x[rows], records.v[rows], records.table["stored"][rows])
-
-
-class StruckSnapshots(Snapshots):
-    """Snapshots of many states at a time, those of `records`."""
-
-    records: Records
-
-    def see(self, at: Any, displacement: Any, *, turns: bool = False) -> None:
-        """Look at the states at several times (s), with their displacements (m)."""
-        turned = self._follow(cast(Array, self.turns), at, np.abs(displacement))
-        rows = np.union1d(turned, [len(at) - 1])
-        self._last = float(at[-1])
-        show(self._structure, self.records, rows)
-        members = self._structure.members
-        pictures = members.shapes(self._structure.assembly), members.utilisation()
-        self._pictures += zip(at[rows].tolist(), *pictures, strict=True)
-
-
-class StruckRecord(Record):
-    """Histories of an impact by `follow_impact`, many records at a time."""
-
-    pictures: ClassVar[type[Snapshots]] = StruckSnapshots
-    _snapshots: StruckSnapshots
-
-    def _begin(self) -> None:
-        """The first records hold the initial state."""
-
-    @property
-    def limits(self) -> CollapseLimits:
-        """Limits of collapse, for compiled steps."""
-        lines = self.watch.lines
-        return CollapseLimits(
-            collapse.COLLAPSE_SIDEWAYS,
-            collapse.COLLAPSE_CONTRACTION,
-            collapse.LEAST_LENGTH,
-            self.structure.members.first,
-            lines.corners,
-            lines.across,
-            lines.along,
-            lines.chained.argmax(axis=0),
-            lines.chained.max(axis=0),
-        )
-
-    def take(self, step: TimeStep | PathStep | Records, at: Any, *, turns: bool = False) -> None:
-        """Append several records, the states that they lead to, and those of the start.
-
-        Raises `CollapseError` when the frame has collapsed, `OutOfDomainError` when an element
-        crumples.
-        """
-        records = self._snapshots.records = cast(Records, step)
-        self._steps.append(records)
-        show(self.structure, records, slice(None))
-        self._see(at, turns)
-        if records.collapsed:
-            show(self.structure, records, -1)
-            self.watch.check(self.displacement, float(at[-1]))
-
-    def column(self, name: str) -> Array:
-        """As of other records."""
-        return np.ascontiguousarray(np.concatenate(self._rows[name]).T)
-
-    def history(self, start: float, name: str) -> Array:
-        """As of other records; the kinetic energy is that of structure and striker."""
-        if name == "length":
-            return np.diff(self.column("at"), prepend=0.0)
-        values = np.concatenate(
-            [records.table[_COLUMNS.get(name, name)] for records in self._steps]
-        )
-        values[0] = start
-        return values
-
-    def moving(self, start: float) -> Array:
-        """As of other records."""
-        return self.history(start, "kinetic")
-
-    def total(self, name: str) -> Array:
-        """As of other records."""
-        if name in ("evaluations", "cuts"):
-            return np.array([getattr(self._steps[-1], name)])
-        column = name.removeprefix("energies.")
-        return np.concatenate([records.table[column] for records in self._steps])

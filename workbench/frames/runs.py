@@ -13,8 +13,15 @@ from workbench.frames.elastic import slowest_period
 from workbench.frames.members import SOLID_BOUND, named, shear_reached
 from workbench.frames.record import Record
 from workbench.frames.structure import FrameStructure, hinge_names, member_names, upright_names
-from workbench.responses import Finding, Response, build_response, energy_error, finding
-from workbench.responses.histories import residual_over, still_grows
+from workbench.responses import (
+    SCALARS,
+    Finding,
+    Response,
+    build_response,
+    energy_error,
+    finding,
+)
+from workbench.responses.histories import implied, open_share, residual_over, still_grows
 from workbench.scenarios import (
     FrameGroundMotion,
     FrameImpact,
@@ -45,28 +52,52 @@ def run_impact(
     Argument: `largest_error` of the energy ledger over the input energy (None: whatever it is).
     Raises `SolverError`, and `CollapseError` when the frame collapses.
     """
-    striker, input_energy, structure = scenario.striker, scenario.input_energy, record.structure
+    striker, structure = scenario.striker, record.structure
     _follow(record, scenario, steps)
-    impulses = record.history(0.0, "impulse")
-    residual, warnings = _residual(record, scenario, striker.node, striker.direction, impulses)
-    values = {
-        **residual,
-        **record.columns("displacement", "velocity", "elastic"),
-        "dissipated": record.dissipated,
-        "striker_velocity": record.history(striker.velocity, "striker.velocity"),
-        "percussion": impulses,
-        "kinetic": record.moving(input_energy),
-        "external_work": record.total("external_work"),
-        "contact_loss": record.total("contact_loss"),
-        "input_energy": input_energy,
-    }
-    warnings += _softened(record) + _impact_accuracy(record, input_energy)
+    values, warnings = _struck(record, scenario)
+    values |= record.columns("velocity")
+    values["striker_velocity"] = record.history(striker.velocity, "striker.velocity")
+    warnings += _softened(record) + _impact_accuracy(record, scenario.input_energy)
     if not structure.is_column:
         key = f"sway {striker.node} {striker.direction}"
         if key not in structure.kept:
             structure.kept[key] = sway_collapse(scenario)
         warnings += sway_findings(structure.kept[key], record.drift)
     return _timed_response(record, scenario, values, warnings, largest_error)
+
+
+def measure_impact(
+    scenario: FrameImpact,
+    record: Record,
+    steps: Iterator[Any],
+    largest_error: float | None,
+) -> dict[str, float]:
+    """The scalars of the response of `run_impact`, by themselves; raises as it does."""
+    _follow(record, scenario, steps)
+    values, _ = _struck(record, scenario)
+    values |= record.of_parts()
+    derived, _ = implied(values, record.column("at"))
+    given, balance = scenario.input_energy, derived["balance_error"]
+    _check_ledger(open_share(balance, given, values["elastic"][0]) if given else 0.0, largest_error)
+    scalars = {name: value for name, value in (derived | values).items() if name in SCALARS}
+    return {name: float(value) for name, value in scalars.items() if value is not None}
+
+
+def _struck(record: Record, scenario: FrameImpact) -> tuple[dict[str, Any], list[Finding]]:
+    """What the scalars of an impact follow from, and what is said of the residual displacement."""
+    striker, impulses = scenario.striker, record.history(0.0, "impulse")
+    residual, warnings = _residual(record, scenario, striker.node, striker.direction, impulses)
+    values = {
+        **residual,
+        **record.columns("displacement", "elastic"),
+        "dissipated": record.dissipated,
+        "percussion": impulses,
+        "kinetic": record.moving(scenario.input_energy),
+        "external_work": record.total("external_work"),
+        "contact_loss": record.total("contact_loss"),
+        "input_energy": scenario.input_energy,
+    }
+    return values, warnings
 
 
 def run_static(
@@ -171,10 +202,14 @@ def _timed_response(
     """The response of a run in time; refused where its energy ledger stays open."""
     response = _response(record, scenario, values, warnings, time=record.column("at"))
     response.attrs["time_step"] = float(record.history(0.0, "length").max())
-    error = energy_error(response)
+    _check_ledger(energy_error(response), largest_error)
+    return response
+
+
+def _check_ledger(error: float | None, largest_error: float | None) -> None:
+    """Raise `SolverError` where the energy ledger stays open."""
     if error is not None and largest_error is not None and error > largest_error:
         raise SolverError("the energy balance", error, "the steps of the driver: reduce them")
-    return response
 
 
 def _response(

@@ -106,6 +106,14 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
     return _signed(response, model, scenario, started)
 
 
+def admitted(model: Any, scenario: Any) -> Any:
+    """The scenario that a model solves in place of an impact, see `respond`; None if it refuses."""
+    solved, _, left_out = with_strain_rate(model, scenario)
+    rigid_alone = scenario.striker.crushes and not getattr(model, "crushing", False)
+    refusals = (each.refusal for each in (*model.domain(scenario), *left_out))
+    return None if rigid_alone or any(refusals) else solved
+
+
 def crushed(response: Response, striker: Striker) -> Response:
     """The response to a striker that crushes: what the contact took is what that has cost.
 

@@ -4,11 +4,17 @@ A model with `stackable(scenario)`, `refused(stack)` and `answer_stack(stack, re
 stack of struck columns at once, with the numbers of single calls: same formulas, same integrator.
 Rows that it cannot answer that way are asked one by one, so that refusals and failures have the
 words of a single call.
+
+A model of structures with `numbers(scenario)`, the scalars of an answer alone (None: ask for the
+whole one), answers rows one by one, but several at a time: its compiled steps give up the lock of
+Python.
 """
 
 import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +23,7 @@ import pandas as pd
 from workbench.arrays import Array, Indices
 from workbench.errors import CollapseError, InputError
 from workbench.models.base import Model, on_one_mesh
+from workbench.models.frame_model import one_thread
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import SCALARS, Outcome, failure_message, outcome_of, scalars_of
 from workbench.scenarios import Scenario
@@ -63,20 +70,6 @@ def simulate_many(
     table: dict[str, Array] = {}
     outcomes, failures = np.full(count, Outcome.OK.value, object), np.full(count, "", object)
 
-    def single(row: int) -> None:
-        try:
-            response = alone.simulate(scenarios[row])
-        except InputError as error:
-            outcomes[row], failures[row] = Outcome.INVALID_INPUT.value, str(error)
-            return
-        outcome = outcome_of(response)
-        outcomes[row] = outcome.value
-        if outcome is Outcome.OK:
-            for name, value in scalars_of(response).items():
-                table.setdefault(name, np.full(count, np.nan))[row] = value
-        else:
-            failures[row] = str(response.attrs["message"])
-
     def stacked(part: tuple[Indices, Any]) -> tuple[Indices, Answers]:
         rows, stack = part
         refused = np.broadcast_to(alone.refused(stack), len(rows))  # type: ignore[attr-defined]
@@ -84,8 +77,8 @@ def simulate_many(
         return rows, alone.answer_stack(solved, refused)  # type: ignore[attr-defined]
 
     left: list[Indices] = []
-    parts = _parts(alone, scenarios, left)
-    with ThreadPoolExecutor(threads or _cores()) as pool:
+    parts, at_once = _parts(alone, scenarios, left), hasattr(alone, "numbers")
+    with one_thread(), ThreadPoolExecutor(threads or _cores()) as pool:
         for rows, answers in pool.map(stacked, parts):
             left.append(rows[answers.codes == UNKNOWN])
             for name, values in answers.scalars.items():
@@ -94,11 +87,38 @@ def simulate_many(
                 outcomes[rows[i]] = Outcome.COLLAPSE.value
                 error = answers.collapse(int(i))
                 failures[rows[i]] = failure_message(Outcome.COLLAPSE, str(error))
-    for row in np.concatenate([*left, np.empty(0, np.int64)]):
-        single(int(row))
+        rows = np.concatenate([*left, np.empty(0, np.int64)])
+        singles = (pool.map if at_once else map)(partial(_single, alone, scenarios), rows)
+        for row, (outcome, failure, scalars) in zip(rows, singles, strict=True):
+            outcomes[row], failures[row] = outcome.value, failure
+            for name, value in scalars.items():
+                table.setdefault(name, np.full(count, np.nan))[row] = value
     present = [name for name in SCALARS if name in table and not np.isnan(table[name]).all()]
     columns: dict[str, Any] = {name: table[name] for name in present}
     return pd.DataFrame({**columns, OUTCOME: outcomes, FAILURE: failures})
+
+
+def _single(
+    model: Model, scenarios: Sequence[Scenario], row: int
+) -> tuple[Outcome, str, dict[str, float]]:
+    """How a model answers a row that is asked alone: outcome, why it fails, scalars.
+
+    One with `numbers` need not make the whole response where these are all there is to know.
+    """
+    try:
+        scenario = scenarios[int(row)]
+        scalars = model.numbers(scenario) if hasattr(model, "numbers") else None
+        if scalars is not None and all(map(isfinite, scalars.values())):
+            return Outcome.OK, "", scalars
+        response = model.simulate(scenario)
+    except InputError as error:
+        return Outcome.INVALID_INPUT, str(error), {}
+    except CollapseError as error:
+        return Outcome.COLLAPSE, failure_message(Outcome.COLLAPSE, str(error)), {}
+    outcome = outcome_of(response)
+    if outcome is Outcome.OK:
+        return outcome, "", scalars_of(response)
+    return outcome, str(response.attrs["message"]), {}
 
 
 def _parts(

@@ -16,14 +16,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil, inf
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from workbench.errors import OutOfDomainError, SolverError
 from workbench.fields import Choice, Number, checked
 from workbench.frames import out_of_domain
 from workbench.frames.elastic import wave_times
 from workbench.frames.members import shear_findings
-from workbench.frames.record import StruckRecord
-from workbench.frames.runs import run_impact
+from workbench.frames.runs import measure_impact, run_impact
+from workbench.frames.struck import StruckNumbers, StruckRecord, strike
 from workbench.frames.structure import FrameStructure
 from workbench.frames.superelements import (
     HingeSurfaces,
@@ -35,9 +36,10 @@ from workbench.frames.superelements import (
     series,
 )
 from workbench.hinges import ShearSurface, YieldSurface, has_webs
-from workbench.impact.pace import NEARLY, Pace, late_peak
+from workbench.impact.pace import Pace
 from workbench.materials import Steel
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
+from workbench.models.base import admitted
 from workbench.models.domain import DIRECT_SHEAR, panel_findings
 from workbench.models.frame_model import COLUMNS, Clock, as_column, as_frame, one_thread
 from workbench.models.strain_rate import (
@@ -50,20 +52,23 @@ from workbench.models.strain_rate import (
     with_rate,
 )
 from workbench.responses import Finding, Response, finding
-from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FrameScenario, Member
+from workbench.scenarios import (
+    ColumnImpact,
+    ColumnScenario,
+    Frame,
+    FrameImpact,
+    FrameScenario,
+    Member,
+)
 from workbench.sections import Section
 from workbench.structures.impact import MIDPOINT, MOREAU
 from workbench.structures.superelements import Superelement, Superelements, sway_stiffness
-from workbench.structures.superelements.march import follow_impact
-from workbench.structures.time_steps import PointMass
 
 ACCURACY = 1e-3  # of the peak, with the numbers that follow and the longest step
 # errors of a step, see `Pace`; square root of what hinges settle by over the energy brought in
 CONTROL = (1e-4, 1.2e-2, 0.01)
 FIRST = 0.005  # step after an impact over the time of an axial wave along an element
-PAST = 1.05  # times as long as it took to a late peak, steps are small
 RECORDS, MOST_STEPS = 20_000, 10_000_000  # of a run, at most
-_SEEN = "time", "displacement", "velocity", "percussion"
 INERTIAS = ("nonlinear", "linear", "none")
 COMMON = (
     "All plasticity in hinges at the ends of the elements: an impacted member needs a node where "
@@ -215,26 +220,28 @@ class _HingedBars(BarFrames):
         return Pace(duration, first, longest, error, vibration, flow, spacing, MOST_STEPS)
 
     def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
-        """As all; anew where the peak came in long steps, with small ones as far as that."""
+        """As all; anew where the peak came in long steps."""
         if self.integrator != MIDPOINT:
             return super()._struck(scenario, structure, clock)
-        striker, pace = scenario.striker, self.pace(scenario)
-        mass = PointMass.of(striker)
-        dof, sign = structure.dof(striker.node, striker.direction)
-        calm = before = 0.0
-        while True:
-            view = structure.seen()
-            record = StruckRecord(view, striker.node, striker.direction, scenario.duration)
-            steps = clock.timed(
-                follow_impact(view.assembly, dof, mass, pace, record.limits, sign=sign, calm=calm)
-            )
-            response = run_impact(scenario, record, steps, self.largest_error)
-            histories = [response.variables[name].values for name in _SEEN]
-            late, highest = late_peak(pace, calm, *histories), float(histories[1].max())
-            gone = highest < NEARLY * before  # what small steps looked for: it may come yet later
-            if calm >= pace.duration or not (late or gone):
-                return response
-            calm, before = pace.duration if calm else PAST * late, highest
+        pace, largest = self.pace(scenario), self.largest_error
+        return strike(scenario, structure, pace, StruckRecord, run_impact, largest, clock.timed)
+
+    def numbers(self, scenario: Any) -> dict[str, float] | None:
+        """The scalars alone of the response to an impact, see `models.batch`; None of others.
+
+        None as well where it is refused or fails. Raises `CollapseError`.
+        """
+        struck = scenario.KIND in (FrameImpact.KIND, ColumnImpact.KIND)
+        solved = admitted(self, scenario) if struck and self.integrator == MIDPOINT else None
+        if solved is None:
+            return None
+        event: Any = as_frame(solved)
+        pace, largest = self.pace(event), self.largest_error
+        try:
+            standing = self._standing(solved)
+            return strike(event, standing, pace, StruckNumbers, measure_impact, largest, iter)
+        except (SolverError, OutOfDomainError):
+            return None
 
 
 @lru_cache(maxsize=16)

@@ -7,7 +7,7 @@ whose entries hold the fields under their names.
 
 import dataclasses
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -38,8 +38,14 @@ class Place(NamedTuple):
         return self.key in (tables.get(self.table, {}) if self.table else tables)
 
 
-def read(kind: type[Declared], tables: Mapping[str, Any]) -> Any:
-    """Return an object of this declared class from the tables of a file. Raises `InputError`."""
+Made = Mapping[tuple[Any, str], Any]  # values of fields by their class and name
+
+
+def read(kind: type[Declared], tables: Mapping[str, Any], made: Made | None = None) -> Any:
+    """Return an object of this declared class from the tables of a file. Raises `InputError`.
+
+    Values of fields that are `made` already, see `values_beside`, are taken as they are.
+    """
     known: dict[str, list[str]] = {}
     for place in _leaves(kind):
         known.setdefault(place.table or place.key, []).extend([place.key] if place.table else [])
@@ -51,7 +57,28 @@ def read(kind: type[Declared], tables: Mapping[str, Any]) -> Any:
             if key not in known[name] and known.get(key):
                 raise InputError(f"{name}.{key}", None, f"unknown key; [{key}] is a table itself")
             check_keys([key], known[name], name)
-    return _build(kind, tables)
+    return _build(kind, tables, made=made or {})
+
+
+def values_beside(
+    kind: Any, tables: Mapping[str, Any], varied: Collection[str]
+) -> dict[tuple[Any, str], Any]:
+    """Parts, and lists of them, that `read` makes of tables but those that are `varied`.
+
+    Raises `InputError`.
+    """
+    made: dict[tuple[Any, str], Any] = {}
+    for place in _places(kind):
+        leaves = tuple(_leaves(place.part)) if place.part else (place,)
+        alike = {leaf.table or leaf.key for leaf in leaves}.isdisjoint(varied)
+        if place.part and not alike:
+            made |= values_beside(place.part, tables, varied)
+        elif place.part and (_is_given(place, tables) or not place.field.metadata["optional"]):
+            part = _build(place.part, tables)
+            made[kind, place.field.name] = part.build() if place.rule.form else part
+        elif alike and place.entries and place.among(tables):
+            made[kind, place.field.name] = _value(place, place.key, tables[place.key])
+    return made
 
 
 def write_text(whole: Any, without: str) -> str:
@@ -136,14 +163,16 @@ def _leaves(kind: Any) -> Iterator[Place]:
         yield from _leaves(place.part) if place.part else (place,)
 
 
-def _build(kind: Any, tables: Mapping[str, Any], entry: str = "") -> Any:
+def _build(kind: Any, tables: Mapping[str, Any], entry: str = "", made: Made | None = None) -> Any:
     """The object whose keys stand in `tables`, those of one entry if its path is given."""
     values = {}
     for place in _places(kind, bool(entry)):
         name = place.field.name
-        if place.part:
+        if made and (kind, name) in made:
+            values[name] = made[kind, name]
+        elif place.part:
             if _is_given(place, tables) or not place.field.metadata["optional"]:
-                part = _build(place.part, tables)
+                part = _build(place.part, tables, made=made)
                 values[name] = part.build() if place.rule.form else part
         elif place.among(tables):
             holder = tables[place.table] if place.table else tables

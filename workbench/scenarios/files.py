@@ -9,7 +9,7 @@ from typing import Any
 from workbench.datafiles import open_input
 from workbench.errors import InputError
 from workbench.fields import Choice
-from workbench.scenarios.codec import dumped, label_of, read, write_text
+from workbench.scenarios.codec import Made, dumped, label_of, read, write_text
 from workbench.scenarios.column import ColumnImpact, ColumnPushover
 from workbench.scenarios.frame_events import FrameGroundMotion, FrameImpact, FramePulse, FrameStatic
 from workbench.scenarios.frame_events import FrameScenario as FrameScenario
@@ -115,13 +115,16 @@ def parse_value(text: str) -> Any:
         return text
 
 
-def scenario_from(tables: Mapping[str, Any]) -> Scenario:
-    """Build a scenario from nested tables as TOML gives them. Raises `InputError`."""
+def scenario_from(tables: Mapping[str, Any], made: Made | None = None) -> Scenario:
+    """Build a scenario from nested tables as TOML gives them. Raises `InputError`.
+
+    Parts that are `made`, see `codec.values_beside`, are not made again.
+    """
     if "kind" not in tables:
         raise InputError("kind", None, "is missing", "write one of " + ", ".join(KINDS))
     kind = Choice(tuple(KINDS)).check("kind", tables["kind"])
     given = {key: table for key, table in tables.items() if key != "kind"}
-    scenario: Scenario = read(KINDS[kind], {"name": kind, **given})
+    scenario: Scenario = read(KINDS[kind], {"name": kind, **given}, made)
     return scenario
 
 

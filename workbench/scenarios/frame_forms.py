@@ -91,8 +91,9 @@ class FrameForm(Declared):
                     advice = f"add [[{name}]], or bays and storeys in [frame]"
                     raise InputError(name, None, f"the tables [[{name}]] are missing", advice)
             frame = Frame(self.nodes, self.members, (), self.joints, self.steel, self.fillets)
-        frame = frame.split_all((split.member, split.at, split.node) for split in self.splits)
-        return replace(frame, loads=self.loads)
+        if self.splits:
+            frame = frame.split_all((split.member, split.at, split.node) for split in self.splits)
+        return replace(frame, loads=self.loads) if self.loads else frame
 
 
 def regular_frame(

@@ -5,8 +5,8 @@ answer all its rows at once. Sections, ends and laws are the same in all rows of
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any, overload
 
 import numpy as np
@@ -16,8 +16,9 @@ from workbench.arrays import Array, Indices
 from workbench.errors import InputError
 from workbench.fields import Number
 from workbench.materials import Steel
+from workbench.scenarios.codec import values_beside
 from workbench.scenarios.column import Column, ColumnImpact, Striker
-from workbench.scenarios.files import Scenario, scenario_from
+from workbench.scenarios.files import KINDS, Scenario, scenario_from
 from workbench.scenarios.parts import OVERRIDES
 
 Path_ = tuple[str | int, ...]
@@ -52,17 +53,30 @@ class Varied(Sequence[Scenario]):
     def __getitem__(self, row: int | slice) -> "Scenario | Varied":
         if isinstance(row, slice):
             return Varied(self.tables, {path: each[row] for path, each in self.by_key.items()})
-        tables = deepcopy(dict(self.tables))
+        tables = self.tables
         for path, column in self.by_key.items():
-            put(tables, path, column[row])
-        return scenario_from(tables)
+            tables = put(tables, path, column[row])
+        return scenario_from(tables, self._alike)
+
+    @cached_property
+    def _alike(self) -> dict[tuple[Any, str], Any]:
+        """What all rows have in common, a frame or its members, made once."""
+        varied = {str(path[0]) for path in self.by_key}
+        kind = None if "kind" in varied else KINDS.get(str(self.tables.get("kind")))
+        try:
+            return {} if kind is None else values_beside(kind, self.tables, varied)
+        except InputError:  # each row says so
+            return {}
 
 
-def put(tables: Any, path: Path_, value: Any) -> None:
-    """Put a value into nested tables."""
-    for key in path[:-1]:
-        tables = tables.setdefault(key, {}) if isinstance(tables, dict) else tables[key]
-    tables[path[-1]] = value.item() if isinstance(value, np.generic) else value
+def put(part: Any, path: Path_, value: Any) -> Any:
+    """Return nested tables with another value; they share what is not on the path to it."""
+    if not path:
+        return value.item() if isinstance(value, np.generic) else value
+    copy: Any = list(part) if isinstance(part, list) else dict(part)
+    inner = copy.get(path[0], {}) if isinstance(copy, dict) else copy[path[0]]
+    copy[path[0]] = put(inner, path[1:], value)
+    return copy
 
 
 def stacks(scenarios: Sequence[Scenario]) -> Iterator[tuple[Indices, ColumnImpact | None]]:

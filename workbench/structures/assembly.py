@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from copy import copy
+from functools import lru_cache
 from math import ceil, isfinite, log
 from typing import Any, Self
 
@@ -76,24 +77,14 @@ class PlanarAssembly:
     def _numbering(self) -> Indices:
         """Dofs (nodes, 3); those that a tied node does not use are kept in `_unused`."""
         count = len(self.coordinates)
-        place = np.arange(count, dtype=np.int64)
-        tied = self._master != place
+        tied = self._master != np.arange(count)
         pairs = np.concatenate([group.nodes for group in self.groups])
         if np.any(tied):  # rotations of nodes meet translations of masters
             master = self._master[pairs]
             across = np.stack([pairs, master[:, ::-1]], axis=2).reshape(-1, 2)
             same = np.stack([pairs, master], axis=2).reshape(-1, 2)
             pairs = np.concatenate([pairs, master, across, same])
-        spread = int(np.max(np.abs(pairs[:, 0] - pairs[:, 1])))
-        if spread > 1:
-            ones = np.ones(len(pairs))
-            graph = coo_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count)).tocsr()
-            order = reverse_cuthill_mckee(graph + graph.T, symmetric_mode=True)
-            renumbered = np.empty(count, dtype=np.int64)
-            renumbered[order] = np.arange(count)
-            if np.max(np.abs(np.diff(renumbered[pairs], axis=1))) < spread:
-                place = renumbered
-        dofs = 3 * place[:, None] + np.arange(3)
+        dofs = 3 * _places(pairs.tobytes(), count)[:, None] + np.arange(3)
         self._unused: Indices = np.sort(dofs[tied, :2].ravel())
         dofs[:, :2] = dofs[self._master, :2]
         return dofs
@@ -278,6 +269,21 @@ class PlanarAssembly:
         v = self.velocity if velocity is None else velocity
         groups = sum(group.kinetic_energy() for group in self.groups)
         return 0.5 * float(v @ self.mass_times(v)) + groups
+
+
+@lru_cache(maxsize=256)
+def _places(pairs: bytes, count: int) -> Indices:
+    """Places of so many nodes that keep the band narrow; `pairs` (n, 2) of those that meet."""
+    ends, place = np.frombuffer(pairs, np.int64).reshape(-1, 2), np.arange(count)
+    spread = int(np.max(np.abs(ends[:, 0] - ends[:, 1])))
+    if spread > 1:
+        graph = coo_matrix((np.ones(len(ends)), ends.T), shape=(count, count)).tocsr()
+        order = reverse_cuthill_mckee(graph + graph.T, symmetric_mode=True)
+        renumbered = np.empty(count, dtype=np.int64)
+        renumbered[order] = np.arange(count)
+        if np.max(np.abs(np.diff(renumbered[ends], axis=1))) < spread:
+            return renumbered
+    return place
 
 
 def graded_lengths(

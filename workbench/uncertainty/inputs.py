@@ -7,7 +7,6 @@ any part of a sample is the same whoever draws it. A Gaussian copula correlates 
 import tomllib
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
-from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -128,9 +127,9 @@ def uncertain_from(tables: dict[str, Any]) -> UncertainScenario:
         path: distribution_of(".".join(map(str, path)), table)
         for path, table in _distributions(tables, ())
     }
-    plain = deepcopy(tables)
+    plain: Any = tables
     for path, distribution in inputs.items():
-        put(plain, path, distribution.middle)
+        plain = put(plain, path, distribution.middle)
     try:
         scenario_from(plain)  # refuses what is wrong before any work
     except InputError as error:

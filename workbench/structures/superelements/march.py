@@ -26,7 +26,7 @@ from workbench.structures.elements import StepEnergies
 from workbench.structures.kernels import copy, largest
 from workbench.structures.superelements import kernels as elements
 from workbench.structures.superelements import step_kernels as step
-from workbench.structures.superelements.group import Superelements, SuperelementState
+from workbench.structures.superelements.group import Superelements, SuperelementState, scratch
 from workbench.structures.superelements.step_kernels import Body, Motion, Work, dot
 from workbench.structures.time_steps import PointMass
 
@@ -203,7 +203,7 @@ _STEP = contact_step_of(hit, solve, released=False)
 advance = march_of(Model(hit, solve, settle, accept, write, collapsed, step=_STEP), LONGER, CUT)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def impact(system, drive, progress, records):
     """Follow an impact, see `workbench.impact.integrator`: (status, records written)."""
     return advance(system, begin(drive, progress[0]), progress[0], records)
@@ -246,15 +246,16 @@ def follow_impact(
 
     Arguments as there, but the `pace` of the steps, `limits` beyond which the structure has
     collapsed, and the time `calm` (s) before which no step is as long as in a vibration.
-    The only group of the `assembly` are superelements; both stay as they are. Yields several
-    records at a time, the first one of the start. Raises `SolverError`.
+    The only group of the `assembly` are superelements; both stay as they are, so that several
+    threads may follow impacts on them. Yields several records at a time, the first one of the
+    start. Raises `SolverError`.
     """
     (group,) = assembly.groups
     assert isinstance(group, Superelements)
     springs, (hinges,), (old, new) = assembly.springs, group.tables, group.states
     body = Body(
         group.bars,
-        hinges,
+        hinges._replace(scratch=scratch(*old.plastic.shape)),
         assembly.mass,
         assembly.width,
         assembly.held,
@@ -283,8 +284,8 @@ def follow_impact(
         np.array([assembly.largest_force]),
         energies,
     )
-    scratch: list[Array] = [*np.empty((2, assembly.band.size)), *np.zeros((8, assembly.size))]
-    work = Work._make([*scratch, np.zeros(assembly.size, np.int64)])
+    vectors: list[Array] = [*np.empty((2, assembly.band.size)), *np.zeros((8, assembly.size))]
+    work = Work._make([*vectors, np.zeros(assembly.size, np.int64)])
     progress = np.zeros(1, PROGRESS)
     progress["place"], progress["crush"] = striker.position, law_of(striker.crushing)
     drive = np.array([*pace, striker.mass, striker.velocity, striker.restitution, calm])
