@@ -1,9 +1,10 @@
-"""Structures that many tests share, and the count of answered random scenarios."""
+"""What many tests share: structures, counts of answered random scenarios, of words of a page."""
 
 from __future__ import annotations
 
 import fcntl
 import os
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from workbench.scenarios import Frame, Joint, Load, regular_frame
 from workbench.sections import Section, square
 
 SQUARE = square(0.2)
+MOST_WORDS = 250  # in sight on a first page
 UNCERTAIN = """
 kind = "column-impact"
 name = "uncertain column"
@@ -122,3 +124,10 @@ class Answers:
         assert len(self.given) >= of
         answered = sum(self.given)
         assert answered >= share * len(self.given), f"{answered} of {len(self.given)} answered"
+
+
+def words_in_sight(html: str) -> int:
+    """Words of the first page of a report that are neither folded nor in a picture."""
+    page = html[html.index("<header") : html.index("<nav")]
+    seen = re.sub(r"<details.*?</details>|<svg.*?</svg>", " ", page, flags=re.DOTALL)
+    return len(re.sub(r"<[^>]*>", " ", seen).split())

@@ -6,7 +6,7 @@ from bisect import bisect_left
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import sqrt
-from typing import Any
+from typing import Any, Self
 
 from workbench.errors import InputError
 from workbench.fields import Choice, Declared, Instance, Number, check_keys, checked
@@ -170,3 +170,15 @@ class Steel(Declared, table="steel"):
     def shear_modulus(self) -> float:
         """Shear modulus with Poisson's ratio 0.3, in Pa."""
         return self.elastic_modulus / (2.0 * (1.0 + POISSON_RATIO))
+
+
+class MadeOfSteel(Declared):
+    """What has a field `steel`, in which alone its grade is given. Raises `InputError`."""
+
+    def __new__(cls, *_values: Any, **named: Any) -> Self:
+        """Return the object, which its fields fill."""
+        if "grade" in named:
+            grade = named["grade"]
+            advice = f"write steel=wb.Steel(grade={grade!r})"
+            raise InputError(f"{cls.TABLE}.grade", grade, "is a field of the steel", advice)
+        return super().__new__(cls)

@@ -43,6 +43,14 @@ def test_rows_are_the_answers_of_single_calls(uncertain_file, tmp_path, capsys):
     assert row["peak_displacement"] == pytest.approx(peak, rel=1e-12)
 
 
+def test_without_a_file_the_quantiles_are_all(uncertain_file, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    before = sorted(tmp_path.rglob("*"))
+    assert run(["sample", uncertain_file, "--samples", "12", "--jobs", "1"]) == 0
+    assert "12 samples by four-dof: 12 ok" in capsys.readouterr().out
+    assert sorted(tmp_path.rglob("*")) == before
+
+
 SMALL_CHUNKS = """
 import sys
 from workbench.cli import run
@@ -124,6 +132,7 @@ def test_velocity_decides_the_peak(uncertain_file, capsys):
         (("sample", "--out", "a.docx"), "--out"),
         (("sample", "--out", "a.csv", "--seed", "-1"), "--seed"),
         (("sample", "--out", "a.csv", "--first", "-1"), "--first"),
+        (("sample", "--slice", "1/2"), "--out"),
         (("sensitivity", "--samples", "5"), "--samples"),
         (("sensitivity", "--samples", "64", "--quantity", "colour"), "--quantity"),
         (

@@ -93,6 +93,11 @@ def test_a_notebook_shows_pictures_by_themselves(response: Any) -> None:
     assert "<svg" in response.workbench.plot.history().figure._repr_svg_()
 
 
+def test_a_grade_is_a_field_of_the_steel() -> None:
+    with pytest.raises(InputError, match=r"write steel=wb\.Steel\(grade='S355'\)"):
+        wb.Column("HEB 220", 0.8, 3.2, grade="S355")
+
+
 def test_a_collapse_is_an_answer_without_numbers(column: Any) -> None:
     answer = wb.simulate(wb.hit(column, 1500, 80), "four-dof").workbench
     assert answer.outcome is Outcome.COLLAPSE
@@ -101,6 +106,7 @@ def test_a_collapse_is_an_answer_without_numbers(column: Any) -> None:
     assert "collapses: geometry (below)" in answer.headline
     drawn, structure = answer.plot.history(), answer.plot.structure()  # no history is kept
     assert len(drawn.patches) == len(structure.patches)
+    assert "collapse" in {text.get_text() for text in drawn.texts}
     with pytest.raises(InputError, match="Collapse in four-dof"):
         answer.plot.axes("history")
     assert isinstance(answer.plot.structure(), Axes)

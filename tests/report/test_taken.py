@@ -36,22 +36,23 @@ def stored_with(*rows: dict, **numbers: float) -> SimpleNamespace:
 
 def said(*rows: dict, **numbers: float) -> str:
     stored = stored_with(*rows, **numbers)
-    return trusted(STUDY, stored, "all").replace("\u2009", " ")
+    (sentence,) = trusted(STUDY, stored, dict.fromkeys(row["group"] for row in rows))
+    return sentence.replace("\u2009", " ")
 
 
 def test_the_nearest_model_is_named_where_none_is_surely_within() -> None:
     beam = row(**REFERENCE)
     near, far = row("near", -0.03), row("far", 0.4, 0.42)
-    none = "no model is shown to be within 10 % in every case"
-    nearest = "all: nearest is near, peak off by up to 3 %"
-    assert said(beam, far, near).startswith(f"{nearest}, numerical error not known; {none}")
+    none = "no model is shown to be within 10 %"
+    nearest = "all: nearest is near (off by up to 3 %"
+    assert said(beam, far, near).startswith(f"{nearest}, numerical error not known); {none}")
     near["outside"] = 2  # a model inside its domain comes first
-    assert said(beam, near, far).startswith(f"all: nearest is far, peak within 42 %; {none}")
+    assert said(beam, near, far).startswith(f"all: nearest is far (42 %); {none}")
     outside = "outside its domain in 2 of 2, numerical error not known"
-    assert said(beam, near).startswith(f"{nearest}, {outside}; {none}")
+    assert said(beam, near).startswith(f"{nearest}, {outside}); {none}")
     assert said({**beam, "known": 0.3}, far).endswith("of the reference alone is up to 30 %.")
     sure = row("sure", 0.05, 0.06)
-    assert said(beam, far, sure).startswith("all: sure, peak within 6 % of beam in all 2 cases")
+    assert said(beam, far, sure).startswith("all: sure, peak within 6 % of beam in 2 cases")
     assert first(STUDY, stored_with(beam, far, sure), "all") == "sure"
 
 
@@ -69,6 +70,17 @@ def test_the_anchor_comes_first_where_it_is_sure_with_the_error_to_expect() -> N
     unmeasured = details(STUDY, stored_with(beam, sure, anchor), "all", anchor)
     assert "expect" not in unmeasured
     assert said(beam, sure, row("anchor", 0.2, 0.21)).startswith("all: sure")
+
+
+def test_groups_of_which_the_same_is_to_be_said_share_a_sentence() -> None:
+    slow = [row(**REFERENCE), row("sure", 0.05, 0.06)]
+    fast = [{**each, "group": "fast"} for each in (slow[0], row("sure", 0.02, 0.03))]
+    assert said(*slow, *fast) == "all; fast: sure, peak within 6 % of beam in 4 cases."
+    open_ones = [{**each, "group": "fast"} for each in (slow[0], row("far", 0.4, 0.42))]
+    near = row("near", 0.1, 0.11)
+    assert said(slow[0], near, *open_ones).startswith(
+        "all; fast: nearest is near (11 %), far (42 %)"
+    )
 
 
 def test_a_group_of_collapses_is_told_by_who_sees_them() -> None:

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from builders import MOST_WORDS, words_in_sight
 
 from workbench.cli import run
 from workbench.report.figures import KINDS
@@ -54,6 +55,7 @@ def test_first_pages_of_quick_forms_answer_in_a_picture(path: Path, tmp_path: Pa
     assert page.count("<svg") == 1
     assert "Not drawn" not in page
     assert re.search(r"\d\s%", re.sub("<[^>]*>", "", page))
+    assert words_in_sight(html) <= MOST_WORDS
 
 
 def indented(text: str, begin: str, end: str) -> str:
@@ -141,7 +143,7 @@ def test_the_quick_form_says_what_it_leaves_out() -> None:
     )
     for label in set(study.models) - set(quick.models):
         assert label in quick.notes[-1]
-        assert label in quick.left_out
-    assert study.left_out == ""
+    assert quick.whole is study
+    assert study.whole is None
     sweep = load_study(str(STUDIES / "column_sweep.py")).study.quickened()
     assert sweep.notes[-1].endswith("Left out: cases (69 of 81).")

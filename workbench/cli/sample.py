@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 from shutil import rmtree
+from tempfile import mkdtemp
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -43,8 +44,12 @@ _SHARES = (0.05, 0.5, 0.95)
 @verb
 def sample(
     scenario: ScenarioFile,
-    model: str = option("Name of a model, see `workbench models`.", ..., "NAME"),
-    out: str = option("Write the table, or keep a folder of chunks.", ..., f"{_TABLE}|chunks"),
+    model: str = option("Name of a model, see `workbench models`.", "four-dof", "NAME"),
+    out: str | None = option(
+        "Write the table, or keep a folder of chunks.  [default: quantiles alone]",
+        None,
+        f"{_TABLE}|chunks",
+    ),
     samples: int = option("Samples of the inputs.", 1024),
     seed: int = option("Seed of the Sobol sequence.", 1),
     first: int = option("First sample of the sequence.", 0),
@@ -67,11 +72,11 @@ def sample(
     from workbench.study.store import own_directory
     from workbench.uncertainty.chunks import Question, Span, answer_chunks
 
-    kept = Path(out).suffix == _CHUNKS
+    kept = out is not None and Path(out).suffix == _CHUNKS
     if part is not None and not kept:
         text = f"must end in {_CHUNKS} with --slice"
         raise InputError("--out", out, text, "workbench gather makes the table")
-    target = Path(out) if kept else writable("--out", out, *ENDINGS, inputs=[scenario])
+    target = Path(out) if out and kept else writable("--out", out, *ENDINGS, inputs=[scenario])
     Number(1, MOST, integer=True).check("--samples", samples)
     Number(0, MOST, integer=True).check("--first", first)
     number, count = (1, 1) if part is None else _slice(part)
@@ -82,8 +87,11 @@ def sample(
     mine = spans[len(spans) * (number - 1) // count : len(spans) * number // count]
     if not mine:
         raise InputError("--slice", part, f"must divide the {len(spans)} chunks of these samples")
-    name = target.name if kept else f".{target.name}{_CHUNKS}"
-    folder = own_directory(target.parent, name)
+    if target is None:
+        folder = Path(mkdtemp())
+    else:
+        name = target.name if kept else f".{target.name}{_CHUNKS}"
+        folder = own_directory(target.parent, name)
     with at_work(f"{model}, samples {mine[0].first} to {mine[-1].last - 1}, at work"):
         chunks = answer_chunks(question, folder, mine, whole, workers, scheduler)
     answer = _tabled(chunks, target)
@@ -116,8 +124,8 @@ def _slice(text: str) -> tuple[int, int]:
     return int(number), int(count)
 
 
-def _tabled(chunks: list[Chunk], target: Path) -> Answer:
-    """The table of chunks: written, unless they stay a folder, and summed up."""
+def _tabled(chunks: list[Chunk], target: Path | None) -> Answer:
+    """The table of chunks: summed up, and written where it has a file and is no folder."""
     from workbench.content.formatting import title_of
     from workbench.models.batch import FAILURE, OUTCOME
     from workbench.uncertainty.chunks import joined
@@ -126,8 +134,8 @@ def _tabled(chunks: list[Chunk], target: Path) -> Answer:
     table = joined(chunk.table() for chunk in chunks)
     uncertain = uncertain_from_text(chunks[0].labels["scenario"])
     model, name = chunks[0].labels["model"], uncertain.base.name
-    kept = target.suffix == _CHUNKS
-    if not kept:
+    kept = target is not None and target.suffix == _CHUNKS
+    if target is not None and not kept:
         write_answers(target, table, table.rename_axis("sample").to_xarray())
     outcomes = {str(name): int(n) for name, n in table[OUTCOME].value_counts().items()}
     numbers = [each for each in table.columns if each not in (*uncertain.names, OUTCOME, FAILURE)]

@@ -86,7 +86,7 @@ class Cell:
 
     Tones: empty, good, bad, doubt, muted. Of several lines the first one is the statement, the
     others are details; `more` is shown where a pointer rests. A `hatched` cell holds a number that
-    should not be relied on.
+    should not be relied on. `brief` is what a screen shows of a long text, the whole at a pointer.
     """
 
     text: str
@@ -94,6 +94,7 @@ class Cell:
     tone: str = ""
     hatched: bool = False
     more: str = ""
+    brief: str = ""
 
 
 ABSENT = Cell("–", tone="muted")
@@ -133,6 +134,7 @@ class Column:
 class Table:
     """A table with a caption; `print_limit` rows at most appear on paper (None: all).
 
+    `in_sight`, how many rows a screen shows before it is asked for the others (None: all);
     `number`, its place among the tables of a document, which gives it (0: outside of one).
     """
 
@@ -141,6 +143,7 @@ class Table:
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
     print_limit: int | None = None
+    in_sight: int | None = None
     number: int = 0
     kind: str = field(default="table", init=False)
 

@@ -140,6 +140,8 @@ def with_remedies(model: Any, scenario: Any, findings: Iterable[Finding]) -> lis
             names = better(model.name, scenario)
             each = replace(each, remedy=NONE, instead=names)
             each = each.taking(names) if names else each
+            if FINEST in names:
+                each = replace(each, remedy=f"{each.remedy}, which takes minutes")
         completed.append(each)
     return completed
 

@@ -35,7 +35,7 @@ _FORMAT = Choice(("html", "pdf", "xlsx", "parquet"))
 _ELSEWHERE = ("convergence", "cost")
 _VARYING = ("cost",)  # kinds whose picture differs from machine to machine
 _MOST_PICTURES = 8
-_EXPLORE = "Explore the stored answers"
+_EXPLORE = "Explore answers"
 
 
 def build_report(
@@ -120,13 +120,16 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
     ]
     sections = tuple(part for part in parts if part is not None)
     data = sum(map(holds_data, study.models.values()))
-    numbers = f", {count(data, 'set')} of published or measured numbers" if data else ""
+    numbers = f", {count(data, 'data set')}" if data else ""
     models = count(len(study.models) - data, "model")
     facts = [f"{count(len(study.cases), 'case')}, {models}{numbers}", f"study: {study.name}"]
-    if study.left_out:
-        whole_name = study.name.removesuffix("-quick")
-        form = f"Quick form: without {study.left_out}; the full study, {whole_name}, has them"
-        facts.insert(0, form)
+    if study.whole is not None:
+        lost = {
+            "model": len(study.whole.models) - len(study.models),
+            "case": len(study.whole.cases) - len(study.cases),
+        }
+        gone = " and ".join(count(number, what) for what, number in lost.items() if number)
+        facts.insert(0, f"Quick form: without {gone or 'nothing'} of {study.whole.name}")
     whole = Document(study.title, "Validation report", tuple(facts), sections)
     return whole.marked(results.MARK) if stored.synthetic else whole
 

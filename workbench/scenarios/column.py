@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any, ClassVar, Self
 
 from workbench.fields import Choice, Declared, Flag, Instance, Many, Number, Text, checked
-from workbench.materials import Steel
+from workbench.materials import MadeOfSteel, Steel
 from workbench.scenarios.parts import (
     FORCE,
     LENGTH,
@@ -38,7 +38,7 @@ class CrushLaw(Many):
 
 
 @dataclass(frozen=True)
-class Column(Declared, table="column"):
+class Column(MadeOfSteel, table="column"):
     """A steel column with one point at which it is hit. Raises `InputError`.
 
     The elastic stiffness and the mass are those of the rolled profile, fillets included, whether

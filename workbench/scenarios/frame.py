@@ -13,8 +13,8 @@ import numpy as np
 
 from workbench.arrays import Array, Indices
 from workbench.errors import InputError
-from workbench.fields import Declared, Flag, Instance, Many, checked, did_you_mean
-from workbench.materials import Steel
+from workbench.fields import Flag, Instance, Many, checked, did_you_mean
+from workbench.materials import MadeOfSteel, Steel
 from workbench.scenarios.parts import (
     LENGTH,
     PREDEFINED,
@@ -38,7 +38,7 @@ FREE = 1e-6  # singular value of the support conditions below which a motion is 
 
 
 @dataclass(frozen=True)
-class Frame(Declared, table="frame"):
+class Frame(MadeOfSteel, table="frame"):
     """A planar steel frame.
 
     Raises `InputError` for names that do not fit together, members without length, parts that are

@@ -89,8 +89,8 @@ class Study:
     figure of the first page (empty: the first that shows all cases at once); `budgets`, answers
     whose errors are budgeted: their varied runs are stored, and compared with nothing else;
     `quick_models`, labels that the quick form keeps (empty: all); `notes`, paragraphs for the
-    report about what is reconstructed, inferred or outside a domain; `left_out`, what a quick form
-    lacks, as `quickened` says it.
+    report about what is reconstructed, inferred or outside a domain; `whole`, the study of which it
+    is the quick form.
     Raises `InputError` for labels or names that do not fit together, and for unknown metrics.
     """
 
@@ -110,7 +110,7 @@ class Study:
     budgets: tuple[Budget, ...] = ()
     quick_models: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
-    left_out: str = ""
+    whole: Study | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         self._check_parts()
@@ -273,7 +273,7 @@ class Study:
             self,
             name=f"{self.name}-quick",
             notes=(*self.notes, note),
-            left_out=parts,
+            whole=self,
             cases=cases,
             models=models,
             reference=self.reference if self.reference in keep else ladder[-1],

@@ -29,9 +29,9 @@ document.querySelectorAll("table.sortable").forEach((table) => {
 addEventListener("beforeprint", () => {
   document.querySelectorAll("details:not(.screen-only)").forEach((d) => { d.open = true; });
 });
-// Tables that are wider than the page say so.
-const hint = () => document.querySelectorAll(".table").forEach((table) => {
-  table.classList.toggle("scrolls", table.scrollWidth > table.clientWidth + 1);
+// Tables and pictures that are wider than the page say so.
+const hint = () => document.querySelectorAll(".table, .plot").forEach((wide) => {
+  wide.classList.toggle("scrolls", wide.scrollWidth > wide.clientWidth + 1);
 });
 hint();
 addEventListener("resize", hint);

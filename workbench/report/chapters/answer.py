@@ -23,6 +23,8 @@ _DECISIVE = ("peaks", "domain-map", "sweep")  # kinds that show models over case
 _LAST = ("structure", "convergence", "cost")  # kinds that show no answer
 _WIDE = 4.0  # upper end of an interval over the lower one, from which it says nothing
 _REASONS = 4  # why models are outside their domain, the most frequent
+_IN_SIGHT = 8  # rows of the matrix
+_SENTENCES = 5
 _JUDGED = (PEAK, RESIDUAL, "time_of_peak")
 _OTHERS = 6  # quantities besides those of the matrix whose errors stand on the page
 _ENDS = {
@@ -32,7 +34,10 @@ _ENDS = {
 
 
 class MatrixCell(NamedTuple):
-    """What a model does in a group of cases: a statement, ends without a number, details."""
+    """What a model does in a group of cases: a statement, ends without a number, details.
+
+    `brief` is the shortest form of a statement with numbers.
+    """
 
     group: str
     statement: str
@@ -41,10 +46,11 @@ class MatrixCell(NamedTuple):
     tone: str
     hatched: bool
     bias: float | None
+    brief: str = ""
 
 
 class MatrixRow(NamedTuple):
-    """The cells of a model by group, and its time in words."""
+    """The cells of a model by group, and its time as a part of that of `time_against`."""
 
     label: str
     cells: dict[str, MatrixCell]
@@ -68,7 +74,7 @@ def answer(
         synthetic=results.synthetic(stored),
         footnote=results.footnote(study, stored),
         content=content,
-        pictures=[replace(each, caption=f"{each.title}.", statements=()) for each in shown],
+        pictures=[replace(e, caption=f"{e.title}.", statements=(), files=()) for e in shown],
         shown=shown,
     )
 
@@ -98,10 +104,12 @@ def matrix_rows(stored: Stored) -> list[MatrixRow]:
 
 def _time(row: Row) -> str:
     """The time of a model as a part of that of the reference, whose own is given in full."""
-    if row["label"] == row["against"]:
-        return duration(row["seconds"])
-    ratio = part(row["ratio"])
-    return f"{ratio} {'of' if '/' in ratio else 'times'} {row['against']}"
+    return duration(row["seconds"]) if row["label"] == row["against"] else part(row["ratio"])
+
+
+def time_against(stored: Stored) -> str:
+    """The label whose time is that of which the matrix gives parts; empty without times."""
+    return next((row["against"] for row in stored.rows["cost"]), "")
 
 
 def matrix(study: Study, stored: Stored) -> tuple[Block, ...]:
@@ -110,21 +118,24 @@ def matrix(study: Study, stored: Stored) -> tuple[Block, ...]:
     if not rows:
         return ()
     groups = {row["group"]: row for row in stored.rows["matrix"]}
-    timed, anchored = any(row.time for row in rows), choice.anchored(stored)
+    timed, anchored = time_against(stored), choice.anchored(stored)
+    rows = _first_ones(study, rows, choice.named(study, stored, groups))
     columns = (
         Column("model", width=1.4, of="label"),
         *(
             Column(PAGE.words("column", group=group, row=row), width=2.1, of=partial(_of, group))
             for group, row in groups.items()
         ),
-        *([Column("time", width=1.1, of=lambda row: row.time or None)] if timed else []),
+        *([Column(f"time / {timed}", width=1.1, of=lambda r: r.time or None)] if timed else []),
     )
     labels = {row.label for row in rows}
+    sentences = [] if anchored else list(choice.trusted(study, stored, groups))
     return PAGE.blocks(
         "matrix",
-        table=Table.of("matrix", "", columns, rows),
+        table=replace(Table.of("matrix", "", columns, rows), in_sight=_IN_SIGHT),
         choice=anchored,
-        sentences=[] if anchored else [choice.trusted(study, stored, group) for group in groups],
+        sentences=sentences[:_SENTENCES],
+        more=sentences[_SENTENCES:],
         details=[choice.details(study, stored, group, row) for group, row in groups.items()],
         budgets=_budgeted(study, stored, groups),
         commands=list(_commands(study, labels)),
@@ -135,6 +146,17 @@ def matrix(study: Study, stored: Stored) -> tuple[Block, ...]:
         timed=timed,
         reasons=list(_reasons(stored, labels)),
     )
+
+
+def _first_ones(study: Study, rows: list[MatrixRow], named: Collection[str]) -> list[MatrixRow]:
+    """References, models that sentences name, those of the decisive figure; then all others."""
+    key = decisive(study)
+    drawn = {label for figure in study.figures if figure.key == key for label in figure.models}
+
+    def place(row: MatrixRow) -> tuple[bool, ...]:
+        return row.label not in study.ranked, row.label not in named, row.label not in drawn
+
+    return sorted(rows, key=place)
 
 
 def _commands(study: Study, labels: Collection[str]) -> Iterator[str]:
@@ -182,19 +204,21 @@ def _of(group: str, row: MatrixRow) -> Cell | None:
     if cell is None:
         return None
     text = ", ".join(filter(None, (cell.statement, cell.ends)))
-    return Cell(text, cell.bias, cell.tone, cell.hatched, cell.details)
+    brief = ", ".join(filter(None, (cell.brief, cell.ends))) if cell.brief else ""
+    return Cell(text, cell.bias, cell.tone, cell.hatched, cell.details, brief)
 
 
 def _cell(row: Row) -> MatrixCell:
     """What a model does in a group of cases, from its row in the stored table."""
-    tone, details = "muted", []
+    tone, details, brief = "muted", [], ""
     if row[f"{PEAK}_count"]:
-        statement = _bias(row, PEAK)
+        statement, brief = _bias(row, PEAK), _bias(row, PEAK, "brief")
         tone = "muted" if row["synthetic"] else _tone(row)
         if row[f"{RESIDUAL}_count"]:
             details.append(f"residual displacement {_bias(row, RESIDUAL)}")
     elif row["reference"]:
         statement = PAGE.words("reference", known=row["known"])
+        brief = statement.removesuffix("\u2009%")
     else:
         silent = "not compared" if row["answered"] else "no answer"
         statement = "collapses" if row["collapsed"] else silent
@@ -205,17 +229,19 @@ def _cell(row: Row) -> MatrixCell:
         *(row["group"], statement, ", ".join(ends)),
         "; ".join([*details, PAGE.words("counts", row=row)]),
         *(tone, bool(row["outside"]), row[f"{PEAK}_bias"]),
+        brief=brief,
     )
 
 
-def _bias(row: Row, quantity: str) -> str:
+def _bias(row: Row, quantity: str, part: str = "bias") -> str:
+    """The bias with its interval or, as `part` brief, the interval alone."""
     bias, low, high = (row[f"{quantity}_{name}"] for name in ("bias", "low", "high"))
     wide = low is None or high > _WIDE * low
     if wide and row[f"{quantity}_count"] == 1:
         low = None
     elif wide:
         low, high = row[f"{quantity}_least"], row[f"{quantity}_most"]
-    return PAGE.words("bias", bias=bias, low=low, high=high, of_cases=wide)
+    return PAGE.words(part, bias=bias, low=low, high=high, of_cases=wide)
 
 
 def _tone(row: Row) -> str:

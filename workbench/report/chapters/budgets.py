@@ -23,14 +23,21 @@ def budgets(stored: Stored, taken: Mapping[str, str]) -> tuple[Block, ...]:
     """A sentence on the peak of the first answer with a budget by the model `taken` in its case."""
     for (case, label, quantity), forms in _groups(stored.rows["budget"], "case", "label").items():
         if quantity == PEAK and taken.get(case) == label:
-            return PAGE.blocks("first_page", case=case, label=label, sentence=headline(forms))
+            parts = [_interval(rows) for rows in forms]
+            names = {"case": case, "label": label, "coverage": _COVERAGE}
+            return PAGE.blocks("first_page", parts=parts, **names)
     return ()
 
 
 def budget_tables(stored: Stored) -> Section | None:
-    """Every term with its reason; None without a budget."""
+    """Each budget in a sentence and every term with its reason; None without a budget."""
     tables = [
-        (case, label, [budget_table(f"budget-terms-{number}-{i}", rows) for i, rows in each])
+        (
+            case,
+            label,
+            headline(forms),
+            [budget_table(f"budget-terms-{number}-{i}", rows) for i, rows in each],
+        )
         for number, ((case, label, _), forms) in enumerate(
             _groups(stored.rows["budget"], "case", "label").items(), 1
         )
@@ -125,6 +132,7 @@ def _interval(rows: Sequence[Row]) -> dict[str, Any]:
         "middle": in_unit(value * (1.0 + total["shift"]), quantity, 3),
         "low": _at(quantity, total["least"], named=False),
         "high": _at(quantity, total["most"]),
+        "high_alone": _at(quantity, total["most"], named=False),
         "top": top["term"],
         "change": change(top),
         "form_change": change(by_term[MODEL_FORM]),

@@ -1,5 +1,6 @@
 """Which model to take: in a group of cases, over drawn columns; the ranking of all."""
 
+from collections.abc import Iterable, Iterator
 from math import ceil
 from typing import Any
 
@@ -27,13 +28,47 @@ def first(study: Study, stored: Stored, group: str) -> str:
     return next((row["label"] for row in _sure(study, stored, group)), "")
 
 
-def trusted(study: Study, stored: Stored, group: str) -> str:
-    """The model to take, and all that stay within `FAIR` in every case; else the nearest."""
-    return f"{group}: {_trusted(study, stored, group)}."
+def named(study: Study, stored: Stored, groups: Iterable[str]) -> set[str]:
+    """Labels that a reader looks for: to take in a group of cases or nearest there, and anchors."""
+    anchors = {label for label, model in study.models.items() if model.name == ANCHOR}
+    ranked = (_sure(study, stored, g) or _ranked(study, stored, g).values() for g in groups)
+    return anchors | {row["label"] for rows in ranked for row in list(rows)[:1]}
 
 
-def _trusted(study: Study, stored: Stored, group: str) -> str:
-    rows = [row for row in stored.rows["matrix"] if row["group"] == group]
+def trusted(study: Study, stored: Stored, groups: Iterable[str]) -> Iterator[str]:
+    """The model to take, else the nearest: a sentence for all groups in which it is the same."""
+    alike: dict[tuple[str, str], dict[str, Row | None]] = {}
+    for group in groups:
+        sure = _sure(study, stored, group)
+        text = _unjudged(study, stored, group) or (sure[0]["label"] if sure else "")
+        row = next(iter(sure or _ranked(study, stored, group).values()), None)
+        quantity = judged(row or next(_rows(stored, group)))
+        alike.setdefault((text, quantity), {})[group] = row
+    for (text, quantity), of_group in alike.items():
+        rows = [row for row in of_group.values() if row]
+        if not text:
+            open_by = max(row["known"] or 0.0 for group in of_group for row in _rows(stored, group))
+            nearest = {row["label"]: row for row in sorted(rows, key=_error)}  # each at its worst
+            text = PAGE.words("unsure", nearest=list(nearest.values()), open_by=open_by)
+        elif rows and text == rows[0]["label"]:
+            cost = stored.costs.get(text)
+            text = PAGE.words("taken", rows=rows, quantity=quantity, cost=cost)
+        yield f"{'; '.join(of_group)}: {text}."
+
+
+def _error(row: Row) -> float:
+    """Largest error of the cases of a row, with its numerical uncertainty where that is known."""
+    within: float | None = row[f"{PEAK}_within"]
+    return abs(row[f"{PEAK}_worst"]) if within is None else within
+
+
+def _rows(stored: Stored, group: str) -> Iterator[Row]:
+    return (row for row in stored.rows["matrix"] if row["group"] == group)
+
+
+def _unjudged(study: Study, stored: Stored, group: str) -> str:
+    """What is to be said of a group whose cases judge no model, or rank them all; or nothing."""
+    rows = list(_rows(stored, group))
     compared = [row for row in rows if row[f"{PEAK}_count"]]
     if any(row["synthetic"] for row in rows):
         return PAGE.words("synthetic")
@@ -41,20 +76,13 @@ def _trusted(study: Study, stored: Stored, group: str) -> str:
         collapses = any(row["collapsed"] for row in rows if row["label"] in study.ranked)
         false_safe = [row["label"] for row in rows if row["false_safe"]]
         return PAGE.words("not_compared", collapses=collapses, false_safe=false_safe)
-    ranked = list(_ranked(study, stored, group).values())
-    nearest = ranked[0] if ranked else None
-    quantity = judged(nearest or rows[0])
+    nearest = next(iter(_ranked(study, stored, group).values()), None)
     if nearest and all(row["against_outside"] == row[f"{PEAK}_count"] for row in compared):
-        return PAGE.words("no_reference", nearest=nearest, quantity=quantity)
-    sure = _sure(study, stored, group)
-    if not sure:
-        rival = [row for row in stored.rows["ranking"] if row["group"] == group]
-        if rival:
-            return best_ranked(rival, stored.costs)
-        open_by = max((row["known"] or 0.0 for row in rows), default=0.0)
-        return PAGE.words("unsure", nearest=nearest, quantity=quantity, open_by=open_by)
-    cost = stored.costs.get(sure[0]["label"])
-    return PAGE.words("taken", row=sure[0], quantity=quantity, cost=cost)
+        return PAGE.words("no_reference", nearest=nearest)
+    rival = [row for row in stored.rows["ranking"] if row["group"] == group]
+    if rival and not _sure(study, stored, group):
+        return best_ranked(rival, stored.costs)
+    return ""
 
 
 def details(study: Study, stored: Stored, group: str, row: Row) -> str:
@@ -96,9 +124,8 @@ def _ranked(study: Study, stored: Stored, group: str) -> dict[str, Row]:
 
     def place(pair: tuple[str, Row]) -> tuple[float, ...]:
         label, row = pair
-        within, remains = row[f"{PEAK}_within"], row[f"{RESIDUAL}_within"] or 0.0
-        error = abs(row[f"{PEAK}_worst"]) if within is None else within
-        shares = ceil(100.0 * error), ceil(100.0 * remains)
+        remains = row[f"{RESIDUAL}_within"] or 0.0
+        shares = ceil(100.0 * _error(row)), ceil(100.0 * remains)
         warned = bool(row["outside"] or row["warned"])
         return warned, *shares, costs.get(label, 1.0)
 

@@ -78,24 +78,25 @@ def numbered(i: int, order: float = 3.0) -> Look:
 
 
 def looks(study: Study) -> Mapping[str, Look]:
-    """The look of every label of a study, the same in all of its figures.
+    """The look of every label of a study, the same in all of its figures and in its quick form.
 
     The reference is black, coarser steps of its ladder are grey, published series take the
     colour of the model that a gate holds against them, with an open marker.
     """
     chosen: dict[str, Look] = {}
-    published = [label for label, model in study.models.items() if holds_data(model)]
-    steps = [label for label in study.ladder[::-1] if label != study.reference]
+    whole = study.whole or study
+    published = [label for label, model in whole.models.items() if holds_data(model)]
+    steps = [label for label in whole.ladder[::-1] if label != study.reference]
     free = map(numbered, itertools.count())
-    for label in study.models:
-        if label == study.reference:
+    for label in whole.models:
+        if label in (study.reference, whole.reference):
             chosen[label] = Look("#000000", width=1.8, order=2.5)
         elif label in steps:
             shade = _STEPS[min(steps.index(label), len(_STEPS) - 1)]
             chosen[label] = Look(shade, "--", width=1.0, order=2.2)
         elif label not in published:
             chosen[label] = next(free)
-    partner = {g.against: g.model for g in study.gates if g.against in published}
+    partner = {g.against: g.model for g in whole.gates if g.against in published}
     for i, label in enumerate(published):
         look = chosen.get(partner.get(label, "")) or next(free)
         marker = _MARKERS[(3 + i) % len(_MARKERS)]

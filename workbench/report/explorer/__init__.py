@@ -15,7 +15,7 @@ from workbench.content.documents import STYLE, templates
 from workbench.content.formatting import count
 from workbench.content.tree import Callout
 from workbench.report.chapters import answer, choice, results
-from workbench.report.chapters.answer import MatrixCell, MatrixRow, matrix_rows
+from workbench.report.chapters.answer import MatrixCell, MatrixRow, matrix_rows, time_against
 from workbench.report.drawing.frame import DIRECTIONS
 from workbench.report.drawing.layout import frame_scenario_of
 from workbench.report.drawing.shapes import REST, YIELDING, rest_lines
@@ -64,7 +64,7 @@ def explorer(study: Study, stored: Stored, largest: int = LARGEST) -> str | None
     title = f"{results.MARK if made else ''}{study.title}"
     matrix, models, text = matrix_rows(stored), _models(study), ""
     shown = {"study": study, "title": title, "made": made, **_seen(study, cases, matrix, models)}
-    shown |= {"plane": plane, "moves": plane is HISTORIES}
+    shown |= {"plane": plane, "moves": plane is HISTORIES, "timed": time_against(stored)}
     fixed = {**_fixed(study, stored.synthetic, matrix, models), "plane": plane._asdict()}
     for detail in DETAILS:
         texts: dict[str, int] = {"": 0}

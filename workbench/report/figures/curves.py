@@ -9,6 +9,8 @@
 has a ledger).
 """
 
+import textwrap
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
@@ -60,6 +62,10 @@ def history(request: Request) -> Drawing:
             sheet.legend(entry(label, **look.curve()))
             sheet.record(case=case.name, label=label, time_s=time, **{f"{quantity}_SI": values})
         sheet.name(panel, case.name, axis_label("time"), axis_label(quantity))
+        fallen = [n for n in request.shown(case) if request.stored.collapses(case.name, n)]
+        if fallen:
+            words = textwrap.fill(f"collapse: {', '.join(fallen)}", 34)
+            panel.text(0.97, 0.04, words, transform=panel.transAxes, ha="right", color=MUTED)
         panel.set_xlim(left=0.0)
         panel.margins(x=0.0)
         if not panel.lines:

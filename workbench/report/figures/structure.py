@@ -57,12 +57,14 @@ def draw(request: Request) -> Drawing:
         canvas.add_axes((0.0, 0.0, 1.0, 1.0), label=f"structure {i}") for i in range(len(groups))
     ]
     sheet, texts, boxes = Sheet(canvas, panels, notes), [], []
+    names = [case.name for case in request.cases]
+    fallen = len(names) == 1 and all(request.stored.collapses(names[0], n) for n in request.labels)
     for (frame, cases), panel in zip(groups, panels, strict=True):
         scenarios, name = [scenario for _, scenario in cases], cases[0][0]
         sheet.notes += _draw_structure(panel, frame, scenarios)
-        if len(groups) > 1:
+        if title := name if len(groups) > 1 else "collapse" if fallen else "":
             box = _box(panel)
-            panel.text(box.x0, box.y1 + 0.15, name, fontsize=8.5, va="center")
+            panel.text(box.x0, box.y1 + 0.15, title, fontsize=8.5, va="center")
         boxes.append(_box(panel))
         texts.append(_text(frame, scenarios))
         for member in _members(frame):
