@@ -75,6 +75,7 @@ def test_a_report_has_the_answer_first_and_all_that_it_rests_on(reports: Path, n
     assert "SHA-256 of the table" in text
     assert f"table: {name}.csv" in text
     assert "secretplace" not in page
+    assert "\x02" not in page  # every value stands in its place
     assert not re.search(r"(src|href)=\"(?!#)", page)  # self-contained
     for kind in ("Figure", "Table"):
         numbers = [int(n) for n in re.findall(rf"\b{kind} (\d+)\. ", text)]

@@ -196,11 +196,19 @@ def _read(text: str, placed: list[Any]) -> tuple[Block, ...]:
             else:
                 target.append(Bullets((item,)))
         elif kept is not None:
-            target += kept if isinstance(kept, tuple | list) else (kept,)
+            blocks = kept if isinstance(kept, tuple | list) else (kept,)
+            target += (_worded(block, placed) for block in blocks)
         elif paragraph := _resolved(lines, placed):
             target.append(Paragraph(paragraph))
     close(0)
     return tuple(whole)
+
+
+def _worded(block: Any, placed: list[Any]) -> Any:
+    """A block whose caption another macro wrote, with the values of that."""
+    if not isinstance(block, Table) or "\x02" not in block.caption:
+        return block
+    return replace(block, caption=_resolved(block.caption, placed))
 
 
 def _block_at(line: str, placed: list[Any]) -> Any:

@@ -53,11 +53,15 @@ def answers(study: Study, stored: Stored) -> Iterator[Answered]:
 
 
 def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
-    """What is not validated, then one answer to each question; nothing for a study without studs.
+    """What is not validated, then a sentence on each question; nothing for a study without studs.
 
-    A usual stud by the codes, what unseen tests say, what is left after damage, load-slip laws and
-    what no test tells.
+    A usual stud by the code, the formula to take, unseen tests, what is left after damage, laws.
     """
+    return _answer("in_short", study, stored)
+
+
+def _answer(part: str, study: Study, stored: Stored) -> tuple[Block, ...]:
+    """The answers in short, or `part` in_full: on what they rest and what no test tells."""
     every = list(answers(study, stored))
     if not every:
         return ()
@@ -79,7 +83,7 @@ def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
     combined = [e for e in every if e.asked == "interaction"]  # no table holds such a test?
     tested = any("tests" in e.tables or "validation" in e.tables for e in combined)
     return page(
-        "in_short",
+        part,
         tables,
         confidence=_CONFIDENCE,
         widest=[_formula(each) for each in widest],
@@ -108,9 +112,9 @@ def _formula(each: Answered) -> dict[str, Any]:
     }
 
 
-def _predictions(every: list[Answered]) -> dict[tuple[str, str, str], list[str]]:
+def _predictions(every: list[Answered]) -> dict[tuple[str, str, str], list[tuple[str, list[str]]]]:
     """What a computation leaves of a stud after damage, by damage, its measure and the stud."""
-    shares: dict[tuple[str, str, str], list[str]] = {}
+    shares: dict[tuple[str, str, str], list[tuple[str, list[str]]]] = {}
     for each in every:
         curve, texts = each.tables["curve"], []
         for level in (0.5, 1.0):
@@ -120,7 +124,7 @@ def _predictions(every: list[Answered]) -> dict[tuple[str, str, str], list[str]]
             texts.append(f"{text} at level {number(at['level'], 2)}")
         measure = MEASURES.get(each.fit["measure"], each.fit["measure"])
         key = each.fit["predamage"], measure, each.fit["stud"]
-        shares.setdefault(key, []).append(f"{each.fit['quantity']} {', '.join(texts)}")
+        shares.setdefault(key, []).append((each.fit["quantity"], texts))
     return shares
 
 
@@ -148,7 +152,8 @@ def design(study: Study, stored: Stored) -> Section | None:
         *((f"{e.case}, {e.label}", e.tables) for e in residual),
         *((e.label, e.tables) for e in series),
     ]
-    blocks = page("design", stacked(named)) if named else ()
+    blocks = _answer("in_full", study, stored)
+    blocks += page("design", stacked(named)) if named else ()
     return Section("design", "Design numbers", blocks) if blocks else None
 
 

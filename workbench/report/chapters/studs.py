@@ -58,7 +58,7 @@ def page(part: str, tables: Tables, **values: Any) -> tuple[Block, ...]:
         of=lambda rows, name: [row for row in rows if row["of"] == name],
         part=lambda macro, /, **more: words.blocks(macro, **more),
         table=table,
-        left_table=_left_table(tables),
+        left_table=_left_table(tables, "head" in values),
         formulas=_sourced(FORMULAS),
         load_slip_laws=_sourced(LAWS),
         relations_of_damage=lambda: [(n, e.formula) for n, e in (RELATIONS | ANCHORED).items()],
@@ -140,8 +140,11 @@ def _shown(tables: Tables) -> Tables:
     return shown
 
 
-def _left_table(tables: Tables) -> Table | None:
-    """What is left after damage at some levels, with the grade of the evidence."""
+def _left_table(tables: Tables, graded: bool) -> Table | None:
+    """What is left after damage at some levels, with the grade of the evidence.
+
+    One grade of all stands once where the page is `graded`.
+    """
     if "curve" not in tables or "left" not in tables["curve"]:
         return None
     curves, fits = tables["curve"].groupby("of", sort=False), records(tables["fit"])
@@ -177,6 +180,8 @@ def _left_table(tables: Tables) -> Table | None:
         Column("relation", width=1.1, of="relation"),
         Column("grade", width=2.6, of=grade),
     )
+    if graded and len({(fit["grade"], fit["holds"]) for fit in fits}) == 1:
+        columns = columns[:-1]
     return Table.of("design-residual", "", columns, fits)
 
 
