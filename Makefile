@@ -45,6 +45,7 @@ frames: .venv/ready
 benchmarks: .venv/ready
 	$(BIN)/python benchmarks/column_models.py
 	$(BIN)/python benchmarks/batches.py
+	$(BIN)/python benchmarks/growth.py
 	$(BIN)/python benchmarks/frames.py
 
 .venv/ready: requirements.lock pyproject.toml

@@ -1,0 +1,131 @@
+"""How the cost of a batch grows with scenarios, elements and threads: exponents, and a figure.
+
+Wall times of `simulate_many`, the least of some turns, of columns and frames as in `batches.py`:
+over the number of scenarios on all cores, over the elements of each bar of a column and over the
+threads. The exponent n of a line is that of time ~ size^n through its points, of threads up to the
+number of cores. Nothing here passes or fails.
+
+Usage: python benchmarks/growth.py [FIGURE.svg]
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+from batches import ONE_BAR, drawn, frames
+
+from workbench.models.batch import simulate_many
+from workbench.models.superelements import RigidSuperelement
+from workbench.registry import make_model
+from workbench.scenarios.varied import Varied
+
+TURNS = 3
+COUNTS = {
+    "energy-estimate": (1_000, 10_000, 100_000),
+    "single-dof": (1_000, 10_000, 100_000),
+    "four-dof": (100, 400, 1_600),
+    "thesis frames": (25, 100, 400),
+}
+ELEMENTS, COLUMNS = (2, 4, 8, 16), 10
+THREADED = {"single-dof": 20_000, "four-dof": 800, "thesis frames": 200}
+
+
+class Line(NamedTuple):
+    """Wall times (s) over sizes."""
+
+    label: str
+    sizes: Sequence[int]
+    times: Sequence[float]
+
+    @property
+    def exponent(self) -> float:
+        """Slope through the points in logarithms; none of a single one."""
+        if len(self.sizes) < 2:
+            return float("nan")
+        return float(np.polyfit(np.log(self.sizes), np.log(self.times), 1)[0])
+
+
+def asked_of(name: str, count: int) -> tuple[Any, Varied]:
+    """A model and its scenarios."""
+    if name == "thesis frames":
+        return ONE_BAR, frames(count, steels=True)
+    return make_model(name), drawn(count)
+
+
+def seconds(model: Any, scenarios: Varied, threads: int) -> float:
+    """The least wall time of some turns."""
+    times = []
+    for _ in range(TURNS):
+        start = perf_counter()
+        simulate_many(model, scenarios, threads)
+        times.append(perf_counter() - start)
+    return min(times)
+
+
+def by_scenarios(cores: int) -> list[Line]:
+    """Times over the number of scenarios."""
+    lines = []
+    for name, counts in COUNTS.items():
+        simulate_many(*asked_of(name, 20))  # compile
+        lines.append(Line(name, counts, [seconds(*asked_of(name, n), cores) for n in counts]))
+    return lines
+
+
+def by_elements(cores: int) -> list[Line]:
+    """Times over the elements of each bar of a column."""
+    columns = drawn(COLUMNS)
+    models = [RigidSuperelement(elements=n) for n in ELEMENTS]
+    times = [seconds(model, columns, cores) for model in models]
+    return [Line("rigid-superelement, columns", ELEMENTS, times)]
+
+
+def by_threads(cores: int) -> list[Line]:
+    """Times over the number of threads."""
+    threads = sorted({min(2**k, cores) for k in range(cores.bit_length() + 1)})
+    lines = []
+    for name, count in THREADED.items():
+        model, scenarios = asked_of(name, count)
+        lines.append(Line(name, threads, [seconds(model, scenarios, n) for n in threads]))
+    return lines
+
+
+def draw(panels: dict[str, list[Line]], file: str) -> None:
+    """Draw times over sizes, a panel for each kind of size."""
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(1, len(panels), figsize=(10.0, 3.6), layout="constrained")
+    for ax, (title, lines) in zip(axes, panels.items(), strict=True):
+        for line in lines:
+            label = f"{line.label}: {line.exponent:.2f}"
+            ax.loglog(line.sizes, line.times, "o-", label=label)
+        ax.set_xlabel(title)
+        ax.legend(title="exponent", fontsize="x-small", title_fontsize="x-small")
+    axes[0].set_ylabel("wall time in s")
+    figure.savefig(file)
+
+
+def main() -> None:
+    """Measure, print exponents, draw."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
+    panels = {
+        "scenarios": by_scenarios(cores),
+        "elements of a bar": by_elements(cores),
+        "threads": by_threads(cores),
+    }
+    for title, lines in panels.items():
+        for line in lines:
+            points = "  ".join(
+                f"{n}: {t:.3g} s" for n, t in zip(line.sizes, line.times, strict=True)
+            )
+            print(f"{title:<18}{line.label:<28}exponent {line.exponent:>5.2f}   {points}")
+    if len(sys.argv) > 1:
+        draw(panels, sys.argv[1])
+
+
+if __name__ == "__main__":
+    main()
