@@ -13,6 +13,7 @@ in whether the frame stands. A frame that has collapsed (`CollapseWatch`) ends a
 """
 
 from collections.abc import Collection, Sequence
+from functools import lru_cache
 from math import inf, sqrt
 from typing import Any, NamedTuple
 
@@ -210,13 +211,18 @@ class Lines(NamedTuple):
     sway: Array
 
 
-def _lines(frame: Frame, assembly: PlanarAssembly) -> Lines:
+def _lines_of(frame: Frame, assembly: PlanarAssembly) -> Lines:
     """The lines of a frame and of the dofs of its assembly."""
-    lengths = frame.lengths
-    corners = np.array([[assembly.dof(n, c) for n in pair for c in "uv"] for pair in frame.ends])
+    corners = np.stack([assembly.dofs(frame.ends[:, k], c) for k in (0, 1) for c in "uv"], axis=1)
+    return _lines(frame.elastic, corners.tobytes(), assembly.size)
+
+
+@lru_cache(maxsize=64)
+def _lines(frame: Frame, placed: bytes, size: int) -> Lines:
+    lengths, corners = frame.lengths, np.frombuffer(placed, np.int64).reshape(-1, 4)
     along = frame.chords / lengths[:, None] ** 2
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    moved, rows = np.zeros((len(lengths), assembly.size)), np.arange(len(lengths))[:, None]
+    moved, rows = np.zeros((len(lengths), size)), np.arange(len(lengths))[:, None]
     moved[rows, corners] = np.concatenate([-across, across], axis=1)
     place = {member.name: i for i, member in enumerate(frame.members)}
     straight = [chain.members for chain in chains(frame)]
@@ -236,7 +242,7 @@ class CollapseWatch:
     def __init__(self, structure: FrameStructure) -> None:
         self._structure = structure
         if "lines" not in structure.kept:
-            structure.kept["lines"] = _lines(structure.frame, structure.assembly)
+            structure.kept["lines"] = _lines_of(structure.frame, structure.assembly)
         self.lines: Lines = structure.kept["lines"]
 
     def check(self, displacement: float, time: float | None) -> None:

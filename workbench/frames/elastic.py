@@ -227,7 +227,7 @@ class DeadLoadState(NamedTuple):
 
 def dead_load_state(frame: Frame) -> DeadLoadState:
     """First-order axial forces and buckling factor under the dead loads of a frame."""
-    return _dead_load_state(_of_one_strength(frame))
+    return _dead_load_state(frame.elastic)
 
 
 @lru_cache(maxsize=64)
@@ -286,19 +286,13 @@ def time_to_peak(scenario: FrameImpact, shear_flexible: bool = False) -> float:
     return max(elastic, striker.mass * striker.velocity / resistance)
 
 
-def _of_one_strength(frame: Frame) -> Frame:
-    """The same elastic frame, whatever the strength of its steel: what elastic results go by."""
-    steel = frame.steel.unchecked(yield_stress=1.0, hardening_modulus=None, rate=None)
-    return frame.unchecked(steel=steel)
-
-
 def slowest_period(frame: Frame, node: str, direction: str) -> float:
     """Longest period (s) of those that a blow on a node along a direction makes felt.
 
     Of the elastic frame; dead loads lengthen it by no more than they soften the mode in which it
     buckles.
     """
-    return _slowest_period(_of_one_strength(frame), node, direction)
+    return _slowest_period(frame.elastic, node, direction)
 
 
 @lru_cache(maxsize=64)

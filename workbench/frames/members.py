@@ -36,6 +36,11 @@ def chains(frame: Frame, kept: Collection[str] = ()) -> list[Chain]:
     Two members continue each other at a free node where only they meet, rigidly and in one line.
     Argument: `kept`, names of nodes that end a chain all the same.
     """
+    return list(_chains(frame.elastic, frozenset(kept)))
+
+
+@lru_cache(maxsize=64)
+def _chains(frame: Frame, kept: frozenset[str]) -> tuple[Chain, ...]:
     follows: dict[MemberEnd, MemberEnd] = {}
     for node in frame.nodes:
         pair = frame.meeting(node.name)
@@ -57,7 +62,7 @@ def chains(frame: Frame, kept: Collection[str] = ()) -> list[Chain]:
             outer.append(end)
         done.update(names)
         lines.append(Chain(tuple(names), tuple(nodes), tuple(outer)))
-    return lines
+    return tuple(lines)
 
 
 def eventful(scenario: FrameScenario) -> set[str]:

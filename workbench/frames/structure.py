@@ -237,13 +237,14 @@ def stand_frame(
     stand still, once the dead loads are on. Raises `SolverError` when those find no equilibrium.
     """
     assembly = PlanarAssembly(coordinates, groups, lumped=lumped, ties=ties)
+    held = [(number, part) for number, node in enumerate(frame.nodes) for part in node.held]
+    held += [(number, "rotation") for number in free_to_spin(frame)]
+    assembly.hold([assembly.dof(*each) for each in held])
     for number, node in enumerate(frame.nodes):
-        assembly.hold([assembly.dof(number, component) for component in node.held])
-        assembly.add_mass(number, node.mass, node.rotary_inertia)
-    for number, inertia in enumerate([] if rotary_inertia is None else rotary_inertia):
-        assembly.add_mass(number, 0.0, float(inertia))
-    for number in free_to_spin(frame):
-        assembly.hold([assembly.dof(number, "rotation")])
+        if node.mass or node.rotary_inertia:
+            assembly.add_mass(number, node.mass, node.rotary_inertia)
+    if rotary_inertia is not None:
+        assembly.add_rotary_inertia(rotary_inertia)
     assembly.load = nodal_forces(frame, assembly, frame.loads)
     if np.any(assembly.load):
         apply_loads(assembly)

@@ -145,6 +145,14 @@ def cut_members(
     Result: coordinates (nodes, 2) in m, those of the frame's nodes first; of every part, in the
     order of the members, the numbers of its nodes, and the part.
     """
+    points, nodes, pieces = _cut_members(frame.elastic, tuple(parts))
+    return points, list(nodes), list(pieces)
+
+
+@lru_cache(maxsize=64)
+def _cut_members(
+    frame: Frame, parts: tuple[int, ...]
+) -> tuple[Array, list[tuple[int, int]], list[Piece]]:
     points = frame.points.tolist()
     nodes: list[tuple[int, int]] = []
     pieces: list[Piece] = []

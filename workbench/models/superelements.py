@@ -36,6 +36,7 @@ from workbench.frames.superelements import (
     series,
 )
 from workbench.hinges import ShearSurface, YieldSurface, has_webs
+from workbench.hinges.interaction import fitted_exponents
 from workbench.impact.pace import Pace
 from workbench.materials import Steel
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
@@ -69,6 +70,7 @@ ACCURACY = 1e-3  # of the peak, with the numbers that follow and the longest ste
 CONTROL = (1e-4, 1.2e-2, 0.01)
 FIRST = 0.005  # step after an impact over the time of an axial wave along an element
 RECORDS, MOST_STEPS = 20_000, 10_000_000  # of a run, at most
+_surface = lru_cache(maxsize=256)(YieldSurface)
 INERTIAS = ("nonlinear", "linear", "none")
 COMMON = (
     "All plasticity in hinges at the ends of the elements: an impacted member needs a node where "
@@ -117,10 +119,9 @@ class _HingedBars(BarFrames):
     def _ellipse(self, frame: Frame, member: Member) -> YieldSurface:
         """That of a member which is rigid in shear."""
         properties = frame.properties(member)
-        fitted = YieldSurface.fit(frame.strength_section(member), frame.steel, decimals=1)
-        alpha = fitted.alpha if self.alpha is None else self.alpha
-        beta = fitted.beta if self.beta is None else self.beta
-        return YieldSurface(properties.squash_load, properties.plastic_moment, alpha, beta)
+        alpha, beta = fitted_exponents(frame.strength_section(member), decimals=1)
+        exponents = self.alpha or alpha, self.beta or beta
+        return _surface(properties.squash_load, properties.plastic_moment, *exponents)
 
     def structure(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
         """The frame, or the column as one, under its dead loads. Raises `SolverError`."""

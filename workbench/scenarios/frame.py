@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import hypot
-from typing import Any, cast
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -36,6 +36,22 @@ ROUNDING = 1.0 - 1e-9  # a length that is computed from coordinates
 APART = 1e-6  # m; nodes closer than this are in one place
 FREE = 1e-6  # singular value of the support conditions below which a motion is free
 
+T = TypeVar("T")
+
+
+class of_geometry(cached_property[T]):  # noqa: N801
+    """A property that frames share which differ in the strength of their steel alone."""
+
+    def __get__(self, frame: Any, owner: type[Any] | None = None) -> T:  # type: ignore[override]
+        value = super().__get__(frame.elastic, owner)
+        return cast(T, vars(frame).setdefault(self.attrname, value))
+
+
+@lru_cache(maxsize=64)
+def _first_of(frame: Frame) -> Frame:
+    """The first of equal frames."""
+    return frame
+
 
 @dataclass(frozen=True)
 class Frame(MadeOfSteel, table="frame"):
@@ -60,6 +76,21 @@ class Frame(MadeOfSteel, table="frame"):
 
     def check(self) -> None:
         """Refuse parts that do not fit together, do not hang together or are not held."""
+        if "fits" not in self.elastic.kept:
+            self._check_parts()
+            self.elastic.kept["fits"] = True
+
+    @property
+    def elastic(self) -> Frame:
+        """One and the same frame for all that differ in the strength of their steel alone."""
+        if "elastic" not in self.kept:
+            alike = {"yield_stress": 1.0, "hardening_modulus": None, "rate": None}
+            steel = self.steel.unchecked(**alike, grade=None, thickness=None)
+            first = _first_of(self.unchecked(steel=steel))
+            self.kept["elastic"] = first.kept["elastic"] = first
+        return cast(Frame, self.kept["elastic"])
+
+    def _check_parts(self) -> None:
         for joint in self.joints:
             if joint.name in PREDEFINED:
                 raise InputError("joint.name", joint.name, "is predefined", "choose another name")
@@ -76,8 +107,7 @@ class Frame(MadeOfSteel, table="frame"):
         advice = "join the members at one node; joints make pins"
         _check_unique(self.nodes, places, "lies where node {} lies", advice)
         pairs = [frozenset((member.start, member.end)) for member in self.members]
-        text = "joins the same nodes as member {}"
-        _check_unique(self.members, pairs, text, "drop one of them")
+        _check_unique(self.members, pairs, "joins the same nodes as member {}", "drop one of them")
         _check_connected(self)
         _check_supported(self)
 
@@ -92,7 +122,7 @@ class Frame(MadeOfSteel, table="frame"):
             text = f"is {length:g} m long {ends}; a length {LENGTH.allowed()}"
             raise member.refusal("", text, LENGTH.advice)
 
-    @cached_property
+    @of_geometry
     def _named(self) -> dict[str, dict[str, Any]]:
         """Nodes, members and joints by their kind and name."""
         return {
@@ -106,7 +136,7 @@ class Frame(MadeOfSteel, table="frame"):
         members = tuple(replace(each, **stronger(each, factor)) for each in self.members)
         return replace(self, steel=self.steel.stronger(factor), members=members)
 
-    @cached_property
+    @of_geometry
     def turned(self) -> set[str]:
         """Names of nodes that cannot turn without a member."""
         return {node.name for node in self.nodes if self.turns(node.name)}
@@ -119,7 +149,7 @@ class Frame(MadeOfSteel, table="frame"):
             if end.member.name not in without
         )
 
-    @cached_property
+    @of_geometry
     def _meeting(self) -> dict[str, list[MemberEnd]]:
         meeting: dict[str, list[MemberEnd]] = {node.name: [] for node in self.nodes}
         for member in self.members:
@@ -131,28 +161,28 @@ class Frame(MadeOfSteel, table="frame"):
         """Ends of the members that meet at the node of this name, in the order of the members."""
         return self._meeting[node]
 
-    @cached_property
+    @of_geometry
     def number(self) -> dict[str, int]:
         """Numbers of the nodes by their names."""
         return {node.name: i for i, node in enumerate(self.nodes)}
 
-    @cached_property
+    @of_geometry
     def points(self) -> Array:
         """Coordinates of the nodes (nodes, 2), in m."""
         return np.array([(node.x, node.y) for node in self.nodes], dtype=float)
 
-    @cached_property
+    @of_geometry
     def ends(self) -> Indices:
         """Numbers of the nodes at start and end of each member (members, 2)."""
         return np.array([(self.number[m.start], self.number[m.end]) for m in self.members])
 
-    @cached_property
+    @of_geometry
     def chords(self) -> Array:
         """Vectors from the start of each member to its end (members, 2), in m."""
         start, end = self.points[self.ends.T]
         return np.asarray(end - start)
 
-    @cached_property
+    @of_geometry
     def lengths(self) -> Array:
         """Lengths of the members (members,), in m."""
         return np.array([self.length(member) for member in self.members])
@@ -180,12 +210,12 @@ class Frame(MadeOfSteel, table="frame"):
         """Return the joint of this name. Raises `InputError` naming `path`."""
         return cast(Joint, _find("joint", self._named["joint"], name, path))
 
-    @cached_property
+    @of_geometry
     def extent(self) -> float:
         """Diagonal of the box around the nodes, in m."""
         return hypot(*np.ptp(self.points, axis=0))
 
-    @cached_property
+    @of_geometry
     def load_masses(self) -> dict[str, float]:
         """Masses (kg) that weigh what the dead loads on the nodes of these names do."""
         weights: Counter[str] = Counter()
@@ -212,7 +242,8 @@ class Frame(MadeOfSteel, table="frame"):
         return strength_section(self._member(member).section, self.fillets)
 
     def _member(self, member: Member | str) -> Member:
-        return self.member(member.name if isinstance(member, Member) else member)
+        name = member.name if isinstance(member, Member) else member
+        return self._named["member"].get(name) or self.member(name)
 
     def split(self, member: Member | str, at: float, node: str) -> Frame:
         """Return the frame with a new `node` on a member, `at` m from its start.

@@ -108,7 +108,7 @@ class PlanarAssembly:
 
     # -- what is attached to dofs ------------------------------------------------------------
 
-    def _diagonal(self, dof: int) -> int:
+    def _diagonal(self, dof: Any) -> Any:
         return dof * self._rows + 2 * self.width
 
     def _add_masses(self, lumped: bool) -> None:
@@ -131,6 +131,10 @@ class PlanarAssembly:
         """Add a point mass (kg), and a rotary inertia (kg m2), to a node."""
         for component, value in (("u", mass), ("v", mass), ("rotation", rotary)):
             self.mass[self._diagonal(self.dof(node, component))] += value
+
+    def add_rotary_inertia(self, inertia: Array) -> None:
+        """Add rotary inertias (nodes,) in kg m2 to all nodes."""
+        self.mass[self._diagonal(self._dof_of_node[:, COMPONENTS["rotation"]])] += inertia
 
     def add_spring(self, dof: int, stiffness: float) -> None:
         """Put a spring (N/m or N m/rad) to the ground on a dof, unstressed as it is now."""
