@@ -122,7 +122,7 @@ class Frame(MadeOfSteel, table="frame"):
             text = f"is {length:g} m long {ends}; a length {LENGTH.allowed()}"
             raise member.refusal("", text, LENGTH.advice)
 
-    @of_geometry
+    @cached_property
     def _named(self) -> dict[str, dict[str, Any]]:
         """Nodes, members and joints by their kind and name."""
         return {
@@ -149,7 +149,7 @@ class Frame(MadeOfSteel, table="frame"):
             if end.member.name not in without
         )
 
-    @of_geometry
+    @cached_property
     def _meeting(self) -> dict[str, list[MemberEnd]]:
         meeting: dict[str, list[MemberEnd]] = {node.name: [] for node in self.nodes}
         for member in self.members:
