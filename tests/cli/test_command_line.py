@@ -52,6 +52,7 @@ def test_help_imports_nothing_heavy() -> None:
         "sample",
         "gather",
         "sensitivity",
+        "rare",
         "run",
         "status",
         "report",

@@ -113,6 +113,7 @@ def _application() -> Callable[..., Any]:
     app.command("sample")(sample.sample)
     app.command("gather")(sample.gather)
     app.command("sensitivity")(sample.sensitivity)
+    app.command("rare")(sample.rare)
     for function in (studies.run, studies.status, studies.report, studies.validate):
         app.command(function.__name__)(function)
     app.add_typer(fit.app, name="fit")

@@ -102,7 +102,7 @@ def fragility(
         if not hasattr(base, "at_velocity"):
             text = "has no impact velocity"
             raise InputError("kind", base.KIND, text, "take column-impact or frame-impact")
-        pair = _pair(base.at_velocity(ends[1]), model, reference)
+        pair = pair_of(base.at_velocity(ends[1]), model, reference)
         reduced, governing = (make_model(name) for name in pair)
         setups[value] = Setup(
             *(uncertain, reduced, governing, exceeded, ends, samples, seed, references, seconds),
@@ -225,7 +225,7 @@ def _range(text: str) -> tuple[float, float]:
     return first, last
 
 
-def _pair(scenario: Any, model: str | None, reference: str | None) -> tuple[str, str]:
+def pair_of(scenario: Any, model: str | None, reference: str | None) -> tuple[str, str]:
     """Reduced model and reference: of bending, or of webs that yield in shear."""
     from workbench.registry import make_model
 

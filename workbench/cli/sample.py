@@ -1,4 +1,4 @@
-"""`workbench sample`: answers to uncertain inputs; `workbench sensitivity`: what they depend on."""
+"""Uncertain inputs: `workbench sample`, `gather`, `sensitivity`, `rare`."""
 
 from __future__ import annotations
 
@@ -222,6 +222,87 @@ def sensitivity(
         ],
     }
     return Answer(content, _shown(uncertain, model, quantity, share, rows))
+
+
+@verb
+def rare(
+    scenario: ScenarioFile,
+    limit: str = option("What must not be exceeded.", ..., "displacement=METRES|collapse"),
+    model: str | None = option("Name of a model.  [default: by the scenario]", None, "NAME"),
+    cov: float = option("Coefficient of variation that is good enough.", 0.1),
+    runs: int = option("Runs of the model, at most.", 5000),
+    seed: int = option("Seed of the samples.", 1),
+    jobs: Jobs = None,
+    settings: Settings = None,
+    options: Options = None,
+) -> Answer:
+    """Probability of a rare failure, by one model.
+
+    That the impact exceeds a limit at its own velocity, which may be a distribution as may all
+    other numbers; 1e-6 takes some 2000 runs. Exit status 0 if the coefficient of variation is as
+    small as was asked, 1 if it is not or there is no probability, 2 for bad input.
+    """
+    import numpy as np
+
+    from workbench.cli.fragility import pair_of
+    from workbench.fields import Number
+    from workbench.registry import make_model
+    from workbench.uncertainty.critical_velocity import limit_of
+    from workbench.uncertainty.rare import Struck, rare_probability
+    from workbench.uncertainty.sample_runs import Processes
+
+    Number(0.01, 1.0).check("--cov", cov)
+    Number(2000, MOST, integer=True).check("--runs", runs)
+    exceeded, uncertain = limit_of(limit), _uncertain(scenario, settings, seed)
+    base: Any = uncertain.base
+    if not hasattr(base, "at_velocity"):
+        text = "has no impact velocity"
+        raise InputError("kind", base.KIND, text, "take column-impact or frame-impact")
+    name = model or pair_of(base, None, "")[0]
+    chosen, workers = make_model(name, pairs_of("--option", options)), processes(jobs)
+    with at_work(f"{name} at work"), Processes(workers) as run:
+        struck = Struck(uncertain, chosen, exceeded, run, workers)
+        random = np.random.default_rng(seed)
+        result = rare_probability(struck, len(uncertain.inputs), random, cov, runs)
+    at = [values.tolist() for values in uncertain.values(result.points).values()]
+    medians = [distribution.middle for distribution in uncertain.inputs.values()]
+    rows = [
+        {"input": key, "median": median, "design_points": values, "share": float(share)}
+        for key, median, values, share in zip(
+            uncertain.names, medians, at, result.shares, strict=True
+        )
+    ]
+    content = {
+        "scenario": base.name,
+        "model": name,
+        "limit": str(exceeded),
+        "probability": result.probability,
+        "cov": result.cov,
+        "band": list(result.band),
+        "reliability_index": result.index,
+        "without_answer": result.silent,
+        "runs": result.runs,
+        "inputs": rows,
+    }
+    low, high = result.band
+    event = "collapses" if exceeded.displacement == np.inf else f"exceeds {exceeded}"
+    scatter = f"90 %: {low:.2g} to {high:.2g}, coefficient of variation {result.cov:.2f}"
+    text = f"{base.name}: {event} with probability {result.probability:.2g} ({scatter})"
+    text += f", reliability index {result.index:.2f}; {name}, {sum(result.runs.values())} runs."
+    columns: dict[str, Any] = {"input": "input", "median": lambda row: _number(row["median"])}
+    for k in range(len(result.points)):
+        columns[f"design point {k + 1}"] = lambda row, k=k: _number(row["design_points"][k])
+    columns["share"] = lambda row: Cell(f"{row['share']:.2f}", row["share"])
+    caption = "Where failure is most likely, in SI, and shares in the variance of the margin there."
+    left_out = "The error of the model and that of the distributions is not in it."
+    if result.silent > 0.0:
+        left_out += f" Samples without an answer add {100.0 * result.silent:.2g} % at most."
+    blocks = Paragraph(text), Paragraph(left_out), Table.of("design", caption, columns, rows)
+    return Answer(content, blocks, int(result.cov > cov))
+
+
+def _number(value: Any) -> Cell | str:
+    return Cell(f"{value:.4g}", value) if isinstance(value, float) else str(value)
 
 
 def _uncertain(scenario: str, settings: list[str] | None, seed: int) -> UncertainScenario:

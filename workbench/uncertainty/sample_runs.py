@@ -27,6 +27,7 @@ from workbench.scenarios.varied import Path_, Varied
 from workbench.study.limit import LONGER
 from workbench.uncertainty.critical_velocity import (
     BEYOND,
+    CLOSE,
     COARSE,
     STRIDE,
     Asked,
@@ -199,10 +200,12 @@ class Sampled:
     def _values(self, rows: Any) -> dict[Path_, Array]:
         return {path: np.asarray(each)[rows] for path, each in self.varied.by_key.items()}
 
-    def roots(self, setup: Setup, starts: Array, stride: float = STRIDE) -> list[Root]:
+    def roots(
+        self, setup: Setup, starts: Array, stride: float = STRIDE, close: float = CLOSE
+    ) -> list[Root]:
         """Critical velocities of all samples; searches start from ln velocities (samples,)."""
         ends = setup.search
-        searches = [search(setup.limit, float(x), ends, stride=stride) for x in starts]
+        searches = [search(setup.limit, float(x), ends, close, stride) for x in starts]
         return in_step(searches, self.peaks_at)
 
 
