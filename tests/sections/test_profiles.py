@@ -82,6 +82,25 @@ SECOND = {
 }
 
 
+# W in inches: depth, width, web, flange of a second transcription, which rounds depth and width
+# less; the manual of AISC gives three digits of them.
+INCHES = {
+    "W8x31": (8.00, 7.995, 0.285, 0.435),
+    "W10x49": (10.00, 10.000, 0.340, 0.560),
+    "w 12 x 53": (12.06, 9.995, 0.345, 0.575),
+    "W12X72": (12.25, 12.040, 0.430, 0.670),
+    "12x96 W": (12.71, 12.160, 0.550, 0.900),
+}
+
+
+@pytest.mark.parametrize("name", INCHES)
+def test_a_second_transcription_in_inches_agrees(name: str) -> None:
+    size = find(name).shape.dimensions
+    inches = [size[side] / 0.0254 for side in ("height", "width", "web", "flange")]
+    assert inches[:2] == pytest.approx(INCHES[name][:2], abs=0.051)
+    assert inches[2:] == pytest.approx(INCHES[name][2:], abs=0.001)
+
+
 @pytest.mark.parametrize("name", SECOND)
 def test_a_second_transcription_agrees(name: str) -> None:
     size = find(name).shape.dimensions
