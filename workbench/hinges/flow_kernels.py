@@ -50,7 +50,7 @@ LAW = np.dtype(
 )
 SMOOTH = 1e-4  # of M_p: the size has a kink at M = 0 where the neutral axis is in a flange
 _ITERATIONS = 100
-_CLOSE = 1e-5  # relative step of Newton, which leaves its square
+_CLOSE, _NEARLY = 1e-5, 1e-7  # relative steps of Newton, which leave their square
 
 
 @njit(cache=True, error_model="numpy")
@@ -113,17 +113,20 @@ def _root(law, body, excess, time):
     R, c, q = body.hardening, body.overstress, law.exponent
     if c == 0.0:
         return excess / R, 1.0 / R
-    z = excess / c
-    if R == 0.0:
+    z, slow = excess / c, R * time
+    if slow == 0.0:
         return z, 1.0 / c
-    z = min(z, (excess / (R * time)) ** (1.0 / q))  # rises to the root of a convex function
+    if slow * _power(z, q) > excess:
+        z = (excess / slow) ** (
+            1.0 / q
+        )  # the smaller one: from above to the root of a convex function
     for _ in range(_ITERATIONS):
-        power = R * time * _power(z, q)
+        power = slow * _power(z, q)
         step = (power + c * z - excess) * z / (q * power + c * z)
         z -= step
-        if abs(step) <= 1e-14 * z:
+        if abs(step) <= _NEARLY * z:
             break
-    return z, 1.0 / (R * time * q * _power(z, q) / z + c)
+    return z, 1.0 / (slow * q * _power(z, q) / z + c)
 
 
 @njit(cache=True, error_model="numpy")

@@ -30,10 +30,15 @@ def projected(column, bar, elastic, stress, work):
 
 @njit(cache=True, error_model="numpy")
 def viscoplastic(column, bar, elastic, state, work):
-    """Forces of a bar after a step of `work.dt`."""
+    """Forces of a bar after a step of `work.dt`, from those that the last tangent expects."""
     f, pinned, length = column.flexibility[bar], column.pinned[bar], column.lengths[bar]
     slides = column.sliding == geometry.CHORD
     soft = 1.0 / (length * column.web.stiffness) if slides else 0.0
+    last, stress = work.last[bar], state.stress[bar]
+    e, a, b = elastic[0] - last[0], elastic[1] - last[1], elastic[2] - last[2]
+    stress[0] += last[3] * e + last[4] * a + last[5] * b
+    stress[1] += last[4] * e + last[6] * a + last[7] * b
+    stress[2] += last[5] * e + last[7] * a + last[8] * b
     flows, tangent, work.flow[bar, 3] = flow_of_bar(
         column.law,
         length,
@@ -42,12 +47,16 @@ def viscoplastic(column, bar, elastic, state, work):
         elastic,
         work.dt,
         state.plastic[bar, 4:],
-        state.stress[bar],
+        stress,
         work.flow[bar, 4:],
     )
+    for i in range(3):
+        last[i] = elastic[i]
+    for i in range(6):
+        last[3 + i] = tangent[i]
     work.branch[bar] = _FLOWING if flows else ELASTIC
     if slides:
-        state.stress[bar, 3] = (state.stress[bar, 1] - state.stress[bar, 2]) / length
+        stress[3] = (stress[1] - stress[2]) / length
     return tangent
 
 

@@ -105,9 +105,9 @@ def _with(of, **fields):
 
 
 HINGES = Tables(COLUMN, STATE, WORK)
-_LAMBDA = np.dtype((float, (2, 4 + MOST)))
-VISCOPLASTIC = Tables(
-    _with(COLUMN, law=LAW), _with(STATE, plastic=_LAMBDA), _with(WORK, flow=_LAMBDA)
+_LAMBDA, _LAST = np.dtype((float, (2, 4 + MOST))), np.dtype((float, (2, 9)))
+VISCOPLASTIC = Tables(  # the last deformations of a bar that were tried, and the tangent there
+    _with(COLUMN, law=LAW), _with(STATE, plastic=_LAMBDA), _with(WORK, flow=_LAMBDA, last=_LAST)
 )
 
 
