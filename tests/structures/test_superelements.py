@@ -22,9 +22,9 @@ from superelement_cases import (
     chain,
 )
 
-from workbench.hinges import YieldSurface
+from workbench.hinges import ShearSurface, YieldSurface
 from workbench.hinges.panel_kernels import WEB
-from workbench.hinges.rate import bar_law
+from workbench.hinges.rate import bar_law, panel_law
 from workbench.materials import MILD_STEEL, Steel
 from workbench.sections import find
 from workbench.structures.assembly import PlanarAssembly
@@ -420,11 +420,14 @@ def test_moments_have_the_sign_of_the_member():
 
 @pytest.mark.parametrize("weight", [None, 0.5])
 @pytest.mark.parametrize("law", [None, MILD_STEEL])
-def test_tangent_of_bars_that_flow_by_differences(law, weight):
+@pytest.mark.parametrize("slides", [False, True], ids=["bars", "panels"])
+def test_tangent_of_bars_that_flow_by_differences(slides, law, weight):
     """The map of their forces, N, M_1, M_2 of a bar, to those of an element and back."""
     steel, section = Steel(rate=law, hardening_modulus=2.1e9), find("HEB 220").without_fillets()
     strength = steel.yield_stress * section.area, section.plastic_moment(steel)
-    kinds = [replace(bar(length), law=bar_law(section, steel, *strength)) for length in (0.8, 1.3)]
+    web = ShearSurface(section, steel) if slides else None
+    record = panel_law(web) if web else bar_law(section, steel, *strength)
+    kinds = [replace(bar(length), web=web, law=record) for length in (0.8, 1.3)]
     rng, errors, flown = np.random.default_rng(7), [], 0.0
     for _ in range(6):
         group = Superelements(np.array([[0, 1], [1, 2]]), kinds)

@@ -15,7 +15,13 @@ import numpy as np
 from workbench.frames.column_estimate import column_like
 from workbench.frames.superelements import joint_surface
 from workbench.hinges import YieldSurface, has_shear_surface
-from workbench.hinges.rate import bar_law, hinge_overstress, overstress_shape, panel_overstress
+from workbench.hinges.rate import (
+    bar_law,
+    hinge_overstress,
+    overstress_shape,
+    panel_law,
+    panel_overstress,
+)
 from workbench.materials import CowperSymonds, Steel
 from workbench.models.domain import mechanism_demand
 from workbench.responses import Finding, finding
@@ -145,11 +151,12 @@ def laws_of(model: Any, frame: Frame) -> dict[str, Any]:
     """The records by which the bars of each member flow, by its name; none where they do not."""
     if not flows(model, frame.steel):
         return {}
-    return {
-        m.name: bar_law(frame.strength_section(m), frame.steel, p.squash_load, p.plastic_moment)
-        for m in frame.members
-        for p in [frame.properties(m)]
-    }
+    laws = {}
+    for m in frame.members:
+        p, web = frame.properties(m), model.yielding_web(frame, m)
+        section, bounds = frame.strength_section(m), (p.squash_load, p.plastic_moment)
+        laws[m.name] = panel_law(web) if web else bar_law(section, frame.steel, *bounds)
+    return laws
 
 
 def about_bars(frame: Frame) -> list[Finding]:

@@ -77,11 +77,11 @@ COMMON = (
     "it is hit.",
     "Elastic-perfectly plastic hinges with associated flow on a super-elliptic N-M surface; joints "
     "weaker than the member interact linearly.",
-    "Webs of I, box and tube sections deform and yield in shear (option shear), with the "
+    "Webs of I, box and tube sections deform and yield in shear (option shear = panel), with the "
     "N-M-V domain of the plates at both ends, root fillets in the flanges; beside joints weaker "
     "than the member, and in other sections, members are rigid in shear.",
     "No local buckling; strain rate by one factor, or, with rate_level = bars, rate and hardening "
-    "at every point of the bars, whose webs are then elastic.",
+    "at every point of the bars, of flanges and web apart where webs yield.",
 )
 
 
@@ -91,15 +91,15 @@ class _HingedBars(BarFrames):
 
     Shared options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
     fitted to the exact N-M envelope of the section and stated to one decimal); `shear`, panel: webs
-    yield, none: members are rigid in shear; `accuracy` that steps by error aim at, as a
-    share of the peak; `rate_level` as of `four-dof`; `time_step` None: of the midpoint scheme by
-    the error, of frames that peak after several rebounds up to 0.6 % off the peak, of columns whose
-    light striker is thrown off mostly 1 %, a few 7 %.
+    yield, elastic: they only deform, none: members are rigid in shear; `accuracy` that steps by
+    error aim at, as a share of the peak; `rate_level` as of `four-dof`; `time_step` None: of the
+    midpoint scheme by the error, of frames that peak after several rebounds up to 0.6 % off the
+    peak, of columns whose light striker is thrown off mostly 1 %, a few 7 %.
     """
 
     alpha: float | None = checked(Number(1.0, 20.0), optional=True)
     beta: float | None = checked(Number(1.0, 20.0), optional=True)
-    shear: str = checked(Choice(("panel", "none")), "panel")
+    shear: str = checked(Choice(("panel", "elastic", "none")), "panel")
     accuracy: float = checked(
         Number(1e-5, 0.1, advice="a share of the peak, 1e-3 by default"), ACCURACY
     )
@@ -114,7 +114,7 @@ class _HingedBars(BarFrames):
 
     def member_surface(self, frame: Frame, member: Member) -> YieldSurface | ShearSurface:
         """The yield surface of the hinges of a member, joints of its full strength."""
-        return self._web(frame, member) or self._ellipse(frame, member)
+        return self.yielding_web(frame, member) or self._ellipse(frame, member)
 
     def _ellipse(self, frame: Frame, member: Member) -> YieldSurface:
         """That of a member which is rigid in shear."""
@@ -147,12 +147,13 @@ class _HingedBars(BarFrames):
         surfaces = {m.name: self._ellipse(frame, m) for m in frame.members}
         elements, laws = [], laws_of(self, frame)
         for piece in pieces:
-            first, last = (joint_surface(surfaces[piece.member.name], j) for j in piece.joints)
+            name, section = piece.member.name, frame.strength_section(piece.member)
+            first, last = (joint_surface(surfaces[name], j) for j in piece.joints)
+            whole, law = bool(laws) or first == last == surfaces[name], laws.get(name)
+            deforms = self.shear in (("panel", "elastic") if whole else ("elastic",))
+            web = _web_of(section, frame.steel) if deforms else None
             bars = self._piece(piece, (first, last))
-            web = self._web(frame, piece.member)
-            weak = web is None or not (laws or first == last == surfaces[piece.member.name])
-            law = laws.get(piece.member.name)
-            elements.append(replace(bars, web=None if weak else web, law=law))
+            elements.append(replace(bars, web=web, web_yields=self.shear_yields, law=law))
         group = Superelements(
             nodes, elements, regularisation=self.regularisation, first_order=self.first_order
         )
@@ -165,12 +166,11 @@ class _HingedBars(BarFrames):
     @property
     def shear_yields(self) -> bool:
         """Whether webs slide where they carry less than their mechanism needs."""
-        return self.shear != "none"
+        return self.shear == "panel"
 
-    def _web(self, frame: Frame, member: Member) -> ShearSurface | None:
+    def yielding_web(self, frame: Frame, member: Member) -> ShearSurface | None:
         """The web of a member that yields in shear, if it does."""
-        section = frame.strength_section(member)
-        return None if self.shear == "none" else _web_of(section, frame.steel)
+        return _web_of(frame.strength_section(member), frame.steel) if self.shear_yields else None
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings of all member models, of shear only where members are rigid in it."""
@@ -184,10 +184,8 @@ class _HingedBars(BarFrames):
 
     def about_webs(self, frame: Frame) -> tuple[set[str], list[Finding]]:
         """Names of the members that are rigid in shear; findings of the webs of the others."""
-        if flows(self, frame.steel):
-            return {m.name for m in frame.members}, about_bars(frame)
-        webs = {m.name: self._web(frame, m) for m in frame.members}
-        findings: list[Finding] = []
+        webs = {m.name: self.yielding_web(frame, m) for m in frame.members}
+        findings = about_bars(frame) if flows(self, frame.steel) else []
         if any(webs.values()) and not (self.alpha is None and self.beta is None):
             findings.append(finding("exponents"))
         alike: dict[tuple[ShearSurface, float, float], list[str]] = {}
@@ -282,7 +280,7 @@ class RigidSuperelement(_HingedBars):
     inertia: str = checked(Choice(INERTIAS), "nonlinear")
 
     name: ClassVar[str] = "rigid-superelement"
-    version: ClassVar[int] = 18
+    version: ClassVar[int] = 19
     least_parts: ClassVar[int] = 2
     far_parts: ClassVar[int] = 1  # with two rigid bars two of 34 frames were 11 and 18 % low
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -328,7 +326,7 @@ class FlexibleSuperelement(_HingedBars):
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)
 
     name: ClassVar[str] = "flexible-superelement"
-    version: ClassVar[int] = 17
+    version: ClassVar[int] = 18
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic Bernoulli beams, straight against their chord: one element per member leaves out "
         "P-delta inside the member.",

@@ -46,10 +46,10 @@ class Superelement:
     (N m2) of the bar if it is flexible, not used if it is rigid; `flexible`; `mass_per_length` in
     kg/m; `rotary_inertia` per length, rho I, in kg m, which acts on the rotation of the chord;
     `rotation_inertia`: that of the deformed chord (nonlinear), of the initial chord (linear),
-    none; `web` that yields in shear, whose surface is then that of both hinges (None: rigid in
-    shear); `law` by which the bar flows point by point, a record of LAW, in place of its hinges'
-    surfaces (its web is then elastic). One hinge of a rigid bar has a finite axial stiffness, both
-    a finite rotational one.
+    none; `web` (None: rigid in shear), whose surface is that of both hinges where it yields in
+    shear, else it is elastic; `law` by which the bar flows point by point, a record of LAW, in
+    place of its hinges' surfaces. One hinge of a rigid bar has a finite axial stiffness, both a
+    finite rotational one.
     """
 
     start: HingeEnd
@@ -61,6 +61,7 @@ class Superelement:
     rotary_inertia: float = 0.0
     rotation_inertia: str = "none"
     web: ShearSurface | None = None
+    web_yields: bool = True
     law: Any = field(default=None, compare=False)
 
     def flexibility(self, length: float) -> Array:
@@ -136,7 +137,7 @@ class SuperelementState(NamedTuple):
 class HingeTables(NamedTuple):
     """Hinges and bars of all elements, one row each.
 
-    `bending` (e, 4): flexibility as in `project_pair`; `flexibility` (e, 4) with that of the webs,
+    `bending` (e, 4): flexibility as in `project_pair`; `flexibility` (e, 4) with that of all webs,
     and its inverse `stiffness` (e, 4), zero for pins; `webs` (e,), records of WEB, all zero where
     rigid in shear, and the `lengths` (e,) of these panels; `bounds` (e, 2, 4), `exponents`
     (e, 2, 2) and whether `pinned` (e, 2) of both hinges; inertia `rotary` (e,) of the turning chord
@@ -202,8 +203,10 @@ class Superelements(HingedElements):
         flexibility = bending + np.multiply.outer(in_shear, [0.0, 1.0, 1.0, 1.0])
         webs = np.zeros(len(pairs), WEB)
         for e, kind in enumerate(self._kinds):
-            if kind.web is not None and not self._flows:
+            if kind.web is not None and kind.web_yields:
                 webs[e] = kind.web.record
+            else:
+                bending[e] = flexibility[e]
         pinned = np.array([[kind.start.pinned, kind.end.pinned] for kind in self._kinds])
         ends = [(kind.start.surface, kind.end.surface) for kind in self._kinds]
         laws = np.array([kind.law for kind in self._kinds], LAW) if self._flows else None
@@ -287,12 +290,13 @@ class Superelements(HingedElements):
         return np.asarray(self._tables.webs["stiffness"] > 0.0)
 
     def envelope_share(self) -> float:
-        """Largest gauge of the committed forces at the ends of bars that flow, else 0."""
+        """Largest share of its static strength that an end of bars that flow takes, else 0."""
         if self._tables.laws is None:
             return 0.0
         ends = zip(self._tables.laws, self._old.carried, strict=True)
         forces = ((law, carried / law["strength"]) for law, carried in ends)
-        return max(float(gauge(law, f[0], m)[0]) for law, f in forces for m in f[1:])
+        share = max(float(gauge(law, f[0], m)[0]) for law, f in forces for m in f[1:])
+        return float(max([share, *self.utilisation()[self.yields_in_shear].flat]))
 
     def utilisation(self) -> Array:
         """Left side of the yield condition at both hinges (elements, 2): 1 on the surface."""

@@ -56,12 +56,12 @@ def _on_surfaces(e, hinges, trial, forces, k, flow):
 def _at_rate(e, time, hinges, plastic, trial, forces, k, flow):
     """As `_on_surfaces`, of a bar that flows point by point for a `time` (s).
 
-    Its moment M_1 is the internal one with its sign turned. Hinges share the elongation.
+    Its moment M_1 is the internal one with its sign turned, so is V. Hinges share the elongation.
     """
     f, pins = hinges.flexibility, hinges.pinned
     f_n, f11, f14, f44 = f[e, 0], f[e, 1], f[e, 2], f[e, 3]
     forces[1] = -forces[1]
-    _, (nn, n1, n4, k11, k14, k44), _ = flow_of_bar(
+    _, (nn, n1, n4, k11, k14, k44), slid = flow_of_bar(
         hinges.laws[e],
         hinges.lengths[e],
         (f_n, f11, -f14, f44),
@@ -79,6 +79,7 @@ def _at_rate(e, time, hinges, plastic, trial, forces, k, flow):
     flow[0] = flow[2] = 0.5 * (trial[0] - f_n * forces[0])
     flow[1] = trial[1] - f11 * forces[1] - f14 * forces[2]
     flow[3] = trial[2] - f14 * forces[1] - f44 * forces[2]
+    flow[4] = -slid
 
 
 def _flows(hinges):
