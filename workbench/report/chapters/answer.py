@@ -284,5 +284,8 @@ def in_labels(study: Study, finding: Finding) -> Finding:
     labels: dict[str, str] = {}
     for label, model in study.models.items():
         labels.setdefault(model.name, label)
-    named = [f"{name} ({labels[name]})" if name in labels else name for name in finding.instead]
+    named = [
+        name if labels.get(name, name) == name else f"{name} ({labels[name]})"
+        for name in finding.instead
+    ]
     return finding.taking(named)
