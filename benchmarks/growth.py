@@ -31,7 +31,7 @@ COUNTS = {
     "four-dof": (100, 400, 1_600),
     "thesis frames": (25, 100, 400),
 }
-ELEMENTS, COLUMNS = (2, 4, 8, 16), 10
+ELEMENTS, COLUMNS = (2, 4, 8, 16, 32), 10
 THREADED = {"single-dof": 20_000, "four-dof": 800, "thesis frames": 200}
 
 
@@ -97,12 +97,17 @@ def by_threads(cores: int) -> list[Line]:
 def draw(panels: dict[str, list[Line]], file: str) -> None:
     """Draw times over sizes, a panel for each kind of size."""
     from matplotlib import pyplot
+    from matplotlib.ticker import NullLocator
 
     figure, axes = pyplot.subplots(1, len(panels), figsize=(10.0, 3.6), layout="constrained")
     for ax, (title, lines) in zip(axes, panels.items(), strict=True):
         for line in lines:
             label = f"{line.label}: {line.exponent:.2f}"
             ax.loglog(line.sizes, line.times, "o-", label=label)
+        sizes = sorted({n for line in lines for n in line.sizes})
+        ax.set_xticks(sizes, labels=[f"{n:,}" for n in sizes], fontsize="xx-small", rotation=45)
+        ax.xaxis.set_minor_locator(NullLocator())
+        ax.tick_params(axis="y", which="minor", labelsize="xx-small")
         ax.set_xlabel(title)
         ax.legend(title="exponent", fontsize="x-small", title_fontsize="x-small")
     axes[0].set_ylabel("wall time in s")

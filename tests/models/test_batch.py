@@ -159,3 +159,14 @@ def test_a_row_of_a_stack_is_its_scenario() -> None:
         assert stack is not None
         for i, row in enumerate(rows.tolist()):
             assert take(stack, i) == scenarios[row]
+
+
+def test_rows_share_the_parts_in_which_nothing_varies() -> None:
+    hits = Varied(BASE, {("striker", "velocity"): np.array([5.0, 10.0])})
+    first, second = hits[0], hits[1]
+    assert first.column is second.column
+    assert (first.striker.velocity, second.striker.velocity) == (5.0, 10.0)
+    loads = Varied(BASE, {("column", "axial_load"): np.array([0.0, 1e5])})
+    assert [each.column.axial_load for each in loads] == [0.0, 1e5]
+    assert loads[0].striker is loads[1].striker
+    assert BASE["column"]["axial_load"] == 2e5

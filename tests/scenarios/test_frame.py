@@ -390,3 +390,21 @@ def test_cyclic_paths_swing_between_both_signs(amplitudes, cycles) -> None:
         cyclic_path([-0.1])
     with pytest.raises(InputError, match="cycles"):
         cyclic_path([0.1], 0)
+
+
+def test_frames_share_what_strength_does_not_change() -> None:
+    weak, strong = (portal(steel=Steel(yield_stress=stress)) for stress in (235e6, 460e6))
+    assert weak.elastic is strong.elastic is weak.elastic.elastic
+    assert weak.lengths is strong.lengths
+    assert weak.member("leg") is weak.members[0]  # own parts under their names all the same
+    assert strong.member("leg") is strong.members[0]
+    assert weak.properties("leg").plastic_moment < strong.properties("leg").plastic_moment
+    soft = portal(steel=Steel(elastic_modulus=200e9))
+    assert soft.elastic is not weak.elastic
+    assert weak != strong
+
+
+def test_what_does_not_fit_is_refused_again() -> None:
+    for stress in (235e6, 460e6, 235e6):
+        with pytest.raises(InputError, match="not supported"):
+            portal("roller-x", "free", steel=Steel(yield_stress=stress))
