@@ -53,6 +53,7 @@ def test_help_imports_nothing_heavy() -> None:
         "gather",
         "sensitivity",
         "rare",
+        "serve",
         "run",
         "status",
         "report",

@@ -80,6 +80,7 @@ def _application() -> Callable[..., Any]:
         models,
         new,
         sample,
+        serve,
         simulate,
         studies,
         vary,
@@ -114,6 +115,7 @@ def _application() -> Callable[..., Any]:
     app.command("gather")(sample.gather)
     app.command("sensitivity")(sample.sensitivity)
     app.command("rare")(sample.rare)
+    app.command("serve")(serve.serve)
     for function in (studies.run, studies.status, studies.report, studies.validate):
         app.command(function.__name__)(function)
     app.add_typer(fit.app, name="fit")

@@ -13,9 +13,8 @@ from workbench.scenarios.codec import Made, dumped, label_of, read, write_text
 from workbench.scenarios.column import ColumnImpact, ColumnPushover
 from workbench.scenarios.frame_events import FrameGroundMotion, FrameImpact, FramePulse, FrameStatic
 from workbench.scenarios.frame_events import FrameScenario as FrameScenario
-from workbench.scenarios.laboratory import ImpactProblem, StudTests
+from workbench.scenarios.laboratory import ImpactProblem, StudTests, UncertainImpact
 from workbench.scenarios.pulse import MemberPulse
-from workbench.scenarios.uncertain import UncertainImpact
 
 ColumnScenario = ColumnPushover | ColumnImpact | MemberPulse
 Scenario = ColumnScenario | FrameScenario | StudTests | ImpactProblem | UncertainImpact

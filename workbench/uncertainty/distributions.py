@@ -24,10 +24,6 @@ _SHAPES = (0.2, 200.0)  # of a Weibull distribution: cov 16 to 0.006
 _NEAREST = 1e-15  # probabilities stay this far from 0 and 1
 
 
-def _normal(mean: float, sd: float) -> Any:
-    return stats.norm(mean, sd)
-
-
 def _lognormal(mean: float, sd: float) -> Any:
     variance = log(1.0 + (sd / mean) ** 2)
     return stats.lognorm(sqrt(variance), scale=mean * exp(-variance / 2.0))
@@ -47,7 +43,7 @@ def _weibull(mean: float, sd: float) -> Any:
 
 
 MOMENT_LAWS: dict[str, Callable[[float, float], Any]] = {
-    **{"normal": _normal, "lognormal": _lognormal, "gumbel": _gumbel, "weibull": _weibull}
+    **{"normal": stats.norm, "lognormal": _lognormal, "gumbel": _gumbel, "weibull": _weibull}
 }
 LAWS = (*MOMENT_LAWS, "uniform", "triangular", "discrete", "jcss")
 POSITIVE = ("lognormal", "weibull")
