@@ -63,7 +63,7 @@ def test_the_first_page_takes_the_anchor_and_says_when_not_and_why() -> None:
     assert f"Take panels (`{asked}`): peak within 10 % on 75 % of 120" in text
     assert "to be off, on 95 %, below 8 %" in text
     assert "Time: 1/100 of the reference." in text
-    assert "(table), take beam: together within 10 % on 100 %" in text
+    assert "(light strikers), take beam: together within 10 % on 100 %" in text
     assert "Why: a light striker" in text
     assert "108 of 120" in text
     assert "When not" not in render_text(*choice.anchored(error_model(sure)))

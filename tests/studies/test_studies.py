@@ -12,6 +12,7 @@ import pytest
 from builders import MOST_WORDS, words_in_sight
 
 from workbench.cli import run
+from workbench.report.drawing.style import looks
 from workbench.report.figures import KINDS
 from workbench.responses.uncertainty import uncertainty_of
 from workbench.study import cells_of, load_study
@@ -129,6 +130,14 @@ def test_the_flagship_has_a_reference_inside_its_domain_in_its_quick_form() -> N
     quick = load_study(str(STUDIES / "thesis_column.py")).study.quickened()
     assert quick.ranked == ("web-yielding beam", "fiber beam")
     assert quick.decisive == "shear-peaks"
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
+def test_models_look_the_same_in_the_quick_form(path: Path) -> None:
+    study = load_study(str(path)).study
+    whole, quick = looks(study), looks(study.quickened())
+    kept = [label for label in quick if label != study.quickened().reference]
+    assert {label: quick[label] for label in kept} == {label: whole[label] for label in kept}
 
 
 def test_a_study_is_a_script_too() -> None:
