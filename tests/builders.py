@@ -54,8 +54,8 @@ def portal(
     if joints:
         name = joints[0].name
         parts[2] = replace(parts[2], joint_start=name, joint_end=name)
-    own = tuple(joint for joint in joints if joint.name not in ("rigid", "pinned"))
-    return replace(frame, members=tuple(parts), joints=own, loads=loads)
+    given = tuple(joint for joint in joints if joint.name not in ("rigid", "pinned"))
+    return replace(frame, members=tuple(parts), joints=given, loads=loads)
 
 
 def thesis_frame(base: str = "clamped") -> Frame:

@@ -72,12 +72,12 @@ SCENARIOS: dict[str, dict[str, Any]] = {
 def places(tables: Any, before: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     """Paths of all tables, entries and values in nested tables."""
     keys = tables if isinstance(tables, dict) else range(len(tables))
-    found = []
+    values = []
     for key in keys:
-        found.append((*before, key))
+        values.append((*before, key))
         if isinstance(tables[key], (dict, list)):
-            found += places(tables[key], (*before, key))
-    return found
+            values += places(tables[key], (*before, key))
+    return values
 
 
 def put(tables: Any, place: tuple[Any, ...], value: Any) -> Any:

@@ -264,14 +264,14 @@ def test_what_additions_cost(tmp_path: Path) -> None:
         text=True,
     )
     assert done.returncode == 0, done.stderr[-2000:]
-    found = json.loads(done.stdout.splitlines()[-1])
-    assert found["outcomes"] == ["ok", "ok"]
-    assert found["velocities"] == [None, 15.0]
-    assert found["squared"] > 0.0
-    assert found["drawn"]
-    assert found["framed"] == "ok"
-    assert 1e-4 < found["half slip"] < 1e-3
-    assert found["verb"] == 0
+    answer = json.loads(done.stdout.splitlines()[-1])
+    assert answer["outcomes"] == ["ok", "ok"]
+    assert answer["velocities"] == [None, 15.0]
+    assert answer["squared"] > 0.0
+    assert answer["drawn"]
+    assert answer["framed"] == "ok"
+    assert 1e-4 < answer["half slip"] < 1e-3
+    assert answer["verb"] == 0
 
 
 def contents(root: Path) -> dict[Path, bytes]:

@@ -161,11 +161,11 @@ CASES: dict[str, tuple[Any, str]] = {
 
 @pytest.mark.parametrize("case", CASES)
 def test_each_breach_is_caught(case: str, thesis_impact: ColumnImpact) -> None:
-    model, said = CASES[case]
+    model, text = CASES[case]
     if "Broken" in type(model).__name__:
         globals()["Broken"] = type(model)
     problems = problems_of(model, [thesis_impact])
-    assert any(said in problem for problem in problems), problems
+    assert any(text in problem for problem in problems), problems
     with pytest.raises(AssertionError, match="breaks the contract"):
         check_model(model, [thesis_impact])
 

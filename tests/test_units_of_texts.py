@@ -82,7 +82,7 @@ def test_tubes_are_found_by_their_sizes() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    ("name", "message"),
     [
         ("RHS 200x8", "must look like RHS 200x100x8"),
         ("SHS 100x90x5", "must look like"),
@@ -91,7 +91,7 @@ def test_tubes_are_found_by_their_sizes() -> None:
         ("RHS 0x100x8", "section.height must be"),
     ],
 )
-def test_tubes_that_cannot_be_are_refused(name: str, said: str) -> None:
+def test_tubes_that_cannot_be_are_refused(name: str, message: str) -> None:
     with pytest.raises(InputError, match=r"column\.section = ") as error:
         find(name, "column.section")
-    assert said in str(error.value)
+    assert message in str(error.value)

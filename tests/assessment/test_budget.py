@@ -213,15 +213,15 @@ def test_a_varied_run_may_collapse(thesis_impact: ColumnImpact) -> None:
     assert Budget("", ()).terms(thesis_impact, fallen, runs) == {}
 
 
-@pytest.mark.parametrize(("left", "told"), [(0.02, True), (0.0099, False)])
-def test_residuals_far_below_the_peak_have_no_budget(thesis_impact, left, told) -> None:
+@pytest.mark.parametrize(("left", "stated"), [(0.02, True), (0.0099, False)])
+def test_residuals_far_below_the_peak_have_no_budget(thesis_impact, left, stated) -> None:
     """Below a tenth of the peak, 0.1 m, their ratios say nothing."""
     answer = answered(thesis_impact, residual_displacement=left)
-    found = Budget("", ()).terms(thesis_impact, answer, {})
-    assert set(found) == ({PEAK, RESIDUAL} if told else {PEAK})
-    if told:  # the error is measured of the peak alone
-        assert not found[RESIDUAL][1].known
-        assert found[RESIDUAL][1].reason == "not measured of the residual displacement"
+    result = Budget("", ()).terms(thesis_impact, answer, {})
+    assert set(result) == ({PEAK, RESIDUAL} if stated else {PEAK})
+    if stated:  # the error is measured of the peak alone
+        assert not result[RESIDUAL][1].known
+        assert result[RESIDUAL][1].reason == "not measured of the residual displacement"
         error = json.loads(answer.attrs["error"]) | {"residual": (0.5 * left, 2.0 * left)}
         answer.attrs["error"] = json.dumps(error)
         form = Budget("", ()).terms(thesis_impact, answer, {})[RESIDUAL][1]

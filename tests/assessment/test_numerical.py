@@ -30,38 +30,38 @@ from workbench.responses.uncertainty import (
 )
 def test_a_power_law_is_extrapolated_to_its_limit(limit, slope, order, ratio):
     values = [limit + slope * ratio ** (-order * k) for k in range(4)]
-    found = ladder(values, ratio, order)
-    assert found.order == pytest.approx(order, rel=1e-6)
-    assert found.extrapolated == pytest.approx(limit, rel=1e-6)
-    assert found.uncertainty == pytest.approx(1.25 * abs(values[-1] - limit), rel=1e-5)
-    assert found.relative == pytest.approx(found.uncertainty / abs(values[-1]))
-    assert found.accepted
+    result = ladder(values, ratio, order)
+    assert result.order == pytest.approx(order, rel=1e-6)
+    assert result.extrapolated == pytest.approx(limit, rel=1e-6)
+    assert result.uncertainty == pytest.approx(1.25 * abs(values[-1] - limit), rel=1e-5)
+    assert result.relative == pytest.approx(result.uncertainty / abs(values[-1]))
+    assert result.accepted
 
 
 def test_a_ladder_worked_by_hand():
-    found = ladder([5.863, 5.972, 6.0265], 2.0, 1.0)
-    assert found.order == pytest.approx(1.0, rel=1e-9)
-    assert found.extrapolated == pytest.approx(6.0265 + 0.0545, rel=1e-9)
-    assert found.uncertainty == pytest.approx(1.25 * 0.0545, rel=1e-9)
+    result = ladder([5.863, 5.972, 6.0265], 2.0, 1.0)
+    assert result.order == pytest.approx(1.0, rel=1e-9)
+    assert result.extrapolated == pytest.approx(6.0265 + 0.0545, rel=1e-9)
+    assert result.uncertainty == pytest.approx(1.25 * 0.0545, rel=1e-9)
 
 
 def test_orders_inside_the_accepted_range_are_clipped():
     values = [0.0, 1.0, 1.0 + 2.0**-0.75]
-    found = ladder(values)
-    assert found.order == pytest.approx(0.75)
-    assert found.factor == 1.25
-    assert found.extrapolated == pytest.approx(values[-1] + 2.0**-0.75 / (2.0**0.8 - 1.0))
+    result = ladder(values)
+    assert result.order == pytest.approx(0.75)
+    assert result.factor == 1.25
+    assert result.extrapolated == pytest.approx(values[-1] + 2.0**-0.75 / (2.0**0.8 - 1.0))
 
 
 @pytest.mark.parametrize("order", [0.2, 0.5, 1.6, 3.0])
 def test_orders_outside_the_accepted_range_get_the_cautious_factor(order):
     limit, values = 5.0, [5.0 + 2.0 ** (-order * k) for k in range(3)]
-    found = ladder(values)
-    assert found.factor == 3.0
-    assert found.converging
-    assert not found.accepted
-    assert found.uncertainty >= abs(values[-1] - limit)  # measured 1.08 times at order 0.2
-    assert "safety factor 3" in found.note
+    result = ladder(values)
+    assert result.factor == 3.0
+    assert result.converging
+    assert not result.accepted
+    assert result.uncertainty >= abs(values[-1] - limit)  # measured 1.08 times at order 0.2
+    assert "safety factor 3" in result.note
 
 
 def test_oscillating_and_diverging_ladders_say_so():
@@ -77,11 +77,11 @@ def test_oscillating_and_diverging_ladders_say_so():
 
 
 def test_two_levels_assume_the_expected_order():
-    found = ladder([1.2, 1.1])
-    assert found.extrapolated == pytest.approx(1.0)
-    assert found.uncertainty == pytest.approx(0.3)
-    assert found.order is None
-    assert "two levels" in found.note
+    result = ladder([1.2, 1.1])
+    assert result.extrapolated == pytest.approx(1.0)
+    assert result.uncertainty == pytest.approx(0.3)
+    assert result.order is None
+    assert "two levels" in result.note
 
 
 def test_levels_that_agree():
@@ -94,15 +94,15 @@ def test_levels_that_agree():
 @pytest.mark.parametrize("ratio", [0.25, 0.5, 2.0, 3.0])
 def test_more_or_fewer_layers_tell_the_same_error_of_first_order(ratio):
     runs = {"answer": 1.0 + 0.2, "other": 1.0 + 0.2 / ratio}
-    found = estimate([fiber_direction("answer", "other", ratio)], runs)
-    assert found.width == pytest.approx(1.25 * 0.2)
+    result = estimate([fiber_direction("answer", "other", ratio)], runs)
+    assert result.width == pytest.approx(1.25 * 0.2)
 
 
 def test_half_the_steps_tell_the_error_of_the_answer():
     # the answer has a quarter of the steps of the coarsest run: an error of 0.1 there
     runs = {"coarsest": 1.4, "halved": 1.2}
-    found = estimate([step_direction("coarsest", "halved", 4.0, 1.25)], runs)
-    assert found.width == pytest.approx(1.25 * 0.1)
+    result = estimate([step_direction("coarsest", "halved", 4.0, 1.25)], runs)
+    assert result.width == pytest.approx(1.25 * 0.1)
 
 
 def test_widths_of_all_directions_add_up_and_steps_do_not_count_twice():
@@ -117,10 +117,10 @@ def test_what_levels_scatter_widens_the_interval():
     """Eca and Hoekstra: beside the extrapolation, the scatter and what the fit misses."""
     scattered = [1.8001, 1.3995, 1.2004, 1.1006, 1.0490]
     fit, _ = best_law(scattered, 2.0, 1.0)
-    found, missed = ladder(scattered), abs(scattered[-1] - fit.finest)
+    result, missed = ladder(scattered), abs(scattered[-1] - fit.finest)
     assert min(fit.deviation, missed) > 1e-4
     width = 1.25 * abs(fit.finest - fit.limit) + fit.deviation + missed
-    assert found.uncertainty == pytest.approx(width, rel=1e-9)
+    assert result.uncertainty == pytest.approx(width, rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -104,7 +104,7 @@ def test_no_verb_shows_the_help_and_version(capsys: pytest.CaptureFixture[str]) 
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["simulat"], "No such command 'simulat'. Did you mean 'simulate'?"),
         (["simulate"], "Missing argument 'SCENARIO.toml'"),
@@ -119,14 +119,14 @@ def test_no_verb_shows_the_help_and_version(capsys: pytest.CaptureFixture[str]) 
     ],
 )
 def test_bad_usage_is_one_line_and_status_2(
-    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(arguments) == 2
     captured = capsys.readouterr()
     assert captured.out == ""
     assert captured.err.count("\n") == 1
     assert captured.err.startswith("workbench: ")
-    assert said in captured.err
+    assert message in captured.err
 
 
 def test_a_reader_that_leaves_early_is_no_fault() -> None:
@@ -157,9 +157,9 @@ def test_overlong_names_are_one_line_and_status_2(
     arguments: tuple[str, ...], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(arguments) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    assert len(said) < 500
+    errors = capsys.readouterr().err
+    assert errors.count("\n") == 1
+    assert len(errors) < 500
 
 
 BAD = {
@@ -180,7 +180,7 @@ BAD = {
 def test_a_bad_scenario_is_one_line_and_status_2(
     bad: str, scenario_file: Path, thesis_impact: ColumnImpact, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    before, after, said = BAD[bad]
+    before, after, words = BAD[bad]
     text = scenario_file.read_text()
     if before is None or after is None:
         import tomli_w
@@ -197,21 +197,21 @@ def test_a_bad_scenario_is_one_line_and_status_2(
     assert captured.out == ""
     assert captured.err.startswith("workbench: ")
     assert captured.err.count("\n") == 1
-    assert said in captured.err
+    assert words in captured.err
 
 
 def test_a_process_says_the_same(scenario_file: Path) -> None:
-    before, after, said = BAD["negative mass"]
+    before, after, text = BAD["negative mass"]
     scenario_file.write_text(scenario_file.read_text().replace(before, after))
     done = process("simulate", str(scenario_file), "--model", "four-dof", "--json")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("workbench: ")
     assert done.stderr.count("\n") == 1
-    assert said in done.stderr
+    assert text in done.stderr
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["--set", "column.axial_load"], "--set = 'column.axial_load'"),
         (["--set", "column.axial_load=heavy"], "column.axial_load = 'heavy'"),
@@ -224,13 +224,13 @@ def test_a_process_says_the_same(scenario_file: Path) -> None:
     ],
 )
 def test_bad_settings(
-    arguments: list[str], said: str, scenario_file: Path, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], message: str, scenario_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["simulate", str(scenario_file), "--model", "four-dof", *arguments]) == 2
     captured = capsys.readouterr()
     assert captured.out == ""
     assert captured.err.count("\n") == 1
-    assert said in captured.err
+    assert message in captured.err
 
 
 def test_a_pipe_is_not_replaced_by_a_file(
@@ -269,25 +269,25 @@ def test_simulate_prints_one_object(
     arguments = ["--set", "striker.velocity=10", "--option", "beta=1.3", "--option", "alpha=1"]
     arguments += ["--option", "rotational_stiffness=6"]
     status = run(["simulate", str(scenario_file), "--model", "four-dof", "--json", *arguments])
-    found = json.loads(capsys.readouterr().out)
+    answer = json.loads(capsys.readouterr().out)
     assert status == 0
-    assert set(found) == KEYS
-    assert found["outcome"] == "ok"
-    assert found["peak_displacement"] == pytest.approx(0.0903, rel=1e-3)
-    assert found["energies"]["input_energy"] == 75e3
-    assert found["energies"]["relative_balance_error"] < 1e-6
-    assert found["shear_utilisation"]["below"] > 1.0
-    assert found["largest_drift"] is None
-    low, high = found["hinges"]["base"]["plastic_rotation"]
-    assert found["largest_plastic_rotation"] >= max(-low, high) > 0.0
-    assert [finding["subject"] for finding in found["warnings"]] == ["error"]
-    error = found["error"]
+    assert set(answer) == KEYS
+    assert answer["outcome"] == "ok"
+    assert answer["peak_displacement"] == pytest.approx(0.0903, rel=1e-3)
+    assert answer["energies"]["input_energy"] == 75e3
+    assert answer["energies"]["relative_balance_error"] < 1e-6
+    assert answer["shear_utilisation"]["below"] > 1.0
+    assert answer["largest_drift"] is None
+    low, high = answer["hinges"]["base"]["plastic_rotation"]
+    assert answer["largest_plastic_rotation"] >= max(-low, high) > 0.0
+    assert [finding["subject"] for finding in answer["warnings"]] == ["error"]
+    error = answer["error"]
     assert error["low"] < error["expected"] < error["high"] < -0.1
     assert 0.9 < error["chance"] < 1.0
     assert (error["collapse"] < 0.1, error["reason"]) == (True, "")
-    assert found["provenance"]["options"]["beta"] == 1.3
-    assert "velocity = 10" in found["provenance"]["scenario"]
-    assert found["wall_time"] > 0.0
+    assert answer["provenance"]["options"]["beta"] == 1.3
+    assert "velocity = 10" in answer["provenance"]["scenario"]
+    assert answer["wall_time"] > 0.0
 
 
 def test_simulate_prints_a_short_table_and_writes_the_response(
@@ -332,11 +332,11 @@ def test_simulate_with_its_error_budget(
     assert run([*arguments[:-1], "speed=0.1"]) == 2
     assert run([*arguments[:4], "--spread", "velocity=0.1"]) == 2
     assert run([*arguments[:5], "--spread", "velocity"]) == 2
-    said = capsys.readouterr().err.splitlines()
-    assert len(said) == 3
-    assert said[0].startswith("workbench: spread.speed: unknown key; known are velocity")
-    assert "is for --budget" in said[1]
-    assert "must look like velocity=0.1" in said[2]
+    errors = capsys.readouterr().err.splitlines()
+    assert len(errors) == 3
+    assert errors[0].startswith("workbench: spread.speed: unknown key; known are velocity")
+    assert "is for --budget" in errors[1]
+    assert "must look like velocity=0.1" in errors[2]
 
 
 def test_simulate_a_pushover(
@@ -346,12 +346,12 @@ def test_simulate_a_pushover(
     path = tmp_path / "push.toml"
     path.write_text(to_toml(push))
     assert run(["simulate", str(path), "--model", "four-dof", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert set(found) == KEYS | {"displacement", "force"}
-    assert len(found["force"]) == len(found["displacement"]) > 10
-    assert found["displacement"][-1] == pytest.approx(0.05, rel=1e-9)
-    assert found["time_of_peak"] is None
-    assert found["impulse"] is None
+    answer = json.loads(capsys.readouterr().out)
+    assert set(answer) == KEYS | {"displacement", "force"}
+    assert len(answer["force"]) == len(answer["displacement"]) > 10
+    assert answer["displacement"][-1] == pytest.approx(0.05, rel=1e-9)
+    assert answer["time_of_peak"] is None
+    assert answer["impulse"] is None
 
 
 def test_an_answer_that_fails_is_status_1(
@@ -362,12 +362,12 @@ def test_an_answer_that_fails_is_status_1(
     path.write_text(to_toml(push))
     options = ["--option", "dataset=heng2017-figure-5-9", "--option", "series=SDOF"]
     assert run(["simulate", str(path), "--model", "published", *options, "--json"]) == 1
-    found = json.loads(capsys.readouterr().out)
-    assert found["outcome"] == "out-of-domain"
-    assert found["message"]
-    assert found["peak_displacement"] is None
-    assert found["energies"]["kinetic"] is None
-    assert found["shear_utilisation"] is None
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["outcome"] == "out-of-domain"
+    assert answer["message"]
+    assert answer["peak_displacement"] is None
+    assert answer["energies"]["kinetic"] is None
+    assert answer["shear_utilisation"] is None
     assert run(["simulate", str(path), "--model", "published", *options]) == 1
     assert "out-of-domain" in capsys.readouterr().out
 
@@ -380,8 +380,8 @@ def test_published_numbers_must_be_named(
     assert "option.dataset: must be one of heng2017-figure-5-" in capsys.readouterr().err
     named = [*arguments, "--option", "dataset=heng2017-figure-5-9"]
     assert run(named) == 2
-    said = capsys.readouterr().err
-    assert "option.series: must be one of 4-DOF nonlinear yield surface; SDOF" in said
+    errors = capsys.readouterr().err
+    assert "option.series: must be one of 4-DOF nonlinear yield surface; SDOF" in errors
     assert run([*named, "--option", "series=SDOF"]) == 0
     assert "191.1\u00a0mm" in capsys.readouterr().out
     wrong = [*arguments, "--option", "dataset=profiles"]
@@ -427,13 +427,13 @@ def test_a_collapse_is_an_answer(
     path.write_text(to_toml(parked))
     arguments = ["simulate", str(path), "--model", "four-dof-shear"]
     assert run([*arguments, "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert (found["outcome"], found["peak_displacement"]) == ("collapse", None)
-    assert found["refusals"] == []
-    assert found["collapse"]["mechanism"] == "geometry"
-    assert found["collapse"]["parts"] == ["below"]
-    assert 0.4 < found["collapse"]["displacement"] < 0.54
-    assert 0.05 < found["collapse"]["time"] < 0.1
+    answer = json.loads(capsys.readouterr().out)
+    assert (answer["outcome"], answer["peak_displacement"]) == ("collapse", None)
+    assert answer["refusals"] == []
+    assert answer["collapse"]["mechanism"] == "geometry"
+    assert answer["collapse"]["parts"] == ["below"]
+    assert 0.4 < answer["collapse"]["displacement"] < 0.54
+    assert 0.05 < answer["collapse"]["time"] < 0.1
     assert run(arguments) == 0
     text = capsys.readouterr().out
     assert "geometry (below)" in text

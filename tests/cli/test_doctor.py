@@ -23,12 +23,12 @@ def diagnosed(capsys: pytest.CaptureFixture[str], store: Path) -> dict[str, str]
 
 def test_a_sound_environment(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     status = run(["doctor", "--json", "--store", str(tmp_path / "reports")])
-    found = states(capsys.readouterr().out)
+    output = states(capsys.readouterr().out)
     expected = {"Python", "kernel cache", "threads", "store", "disk", "data catalogue", "models"}
-    assert expected <= set(found)
-    assert {name for name, state in found.items() if state == "fail"} == set()
-    assert found["physics single-dof"] == found["physics four-dof"] == "ok"
-    assert found["physics fiber-reissner"] == found["physics fiber-corotational"] == "ok"
+    assert expected <= set(output)
+    assert {name for name, state in output.items() if state == "fail"} == set()
+    assert output["physics single-dof"] == output["physics four-dof"] == "ok"
+    assert output["physics fiber-reissner"] == output["physics fiber-corotational"] == "ok"
     assert status == 0
     assert not (tmp_path / "reports").exists()  # a check leaves nothing behind
 
@@ -74,8 +74,8 @@ def test_physics_that_drifts_is_caught(
     monkeypatch.setattr(
         "workbench.registry.make_model", lambda name, *options: SimpleNamespace(simulate=simulate)
     )
-    found = diagnosed(capsys, tmp_path)
-    assert found["physics single-dof"] == found["physics four-dof"] == "fail"
+    result = diagnosed(capsys, tmp_path)
+    assert result["physics single-dof"] == result["physics four-dof"] == "fail"
 
 
 def test_a_reference_that_drifts_is_caught(
@@ -83,8 +83,8 @@ def test_a_reference_that_drifts_is_caught(
 ) -> None:
     soft = make_model("fiber-corotational", {"layers": 4, "levels": 1})
     monkeypatch.setattr("workbench.registry.make_model", lambda name, *options: soft)
-    found = diagnosed(capsys, tmp_path)
-    assert found["physics fiber-reissner"] == found["physics fiber-corotational"] == "fail"
+    result = diagnosed(capsys, tmp_path)
+    assert result["physics fiber-reissner"] == result["physics fiber-corotational"] == "fail"
 
 
 def test_a_store_that_cannot_be_written(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -66,23 +66,23 @@ def answer(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, Any
     return result
 
 
-def table(found: dict[str, Any], name: str, of: str = "") -> list[dict[str, Any]]:
+def table(text: dict[str, Any], name: str, of: str = "") -> list[dict[str, Any]]:
     """Rows of a table of an answer, those of one fit where it is named."""
-    return [row for row in found["results"][name] if not of or row["of"] == of]
+    return [row for row in text["results"][name] if not of or row["of"] == of]
 
 
 # -- strength -------------------------------------------------------------------------------------
 
 
 def test_shipped_tests_without_a_file(capsys: pytest.CaptureFixture[str]) -> None:
-    found = answer(capsys, "stud-strength")
-    assert found["tables"] == ["shipped"]
-    fits = {fit["model"]: fit for fit in table(found, "fit")}
+    result = answer(capsys, "stud-strength")
+    assert result["tables"] == ["shipped"]
+    fits = {fit["model"]: fit for fit in table(result, "fit")}
     assert set(fits) == set(SHEAR_MODELS)
     assert fits["en1994"]["bias"] == pytest.approx(1.496, abs=0.001)
-    (d8,) = table(found, "d8", SHEAR_MODELS["roik-mean"].label)
+    (d8,) = table(result, "d8", SHEAR_MODELS["roik-mean"].label)
     assert d8["gamma_m_star"] == pytest.approx(1.06, abs=0.01)
-    assert all("P_Rk" not in each and each["refusal"] for each in table(found, "series"))
+    assert all("P_Rk" not in each and each["refusal"] for each in table(result, "series"))
     assert run(["fit", "stud-strength"]) == 0
     text = capsys.readouterr().out
     assert "26 tests of lehigh279, provines2019 (shipped tables)" in text
@@ -93,13 +93,13 @@ def test_shipped_tests_without_a_file(capsys: pytest.CaptureFixture[str]) -> Non
 
 def test_a_laboratory_brings_its_own(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = laboratory(tmp_path / "lab.csv")
-    found = answer(capsys, "stud-strength", str(file), "--model", "roik-mean",
+    result = answer(capsys, "stud-strength", str(file), "--model", "roik-mean",
                    "--trend", "diameter", "--validate", "lab 3")  # fmt: skip
-    (fit,) = table(found, "fit")
+    (fit,) = table(result, "fit")
     assert fit["campaigns"] == "lab 0, lab 1, lab 2"
     assert fit["bias"] == pytest.approx(1.1, abs=0.1)
     assert fit["new_campaign_factor"] < 1.05
-    plain, corrected = table(found, "judgement")
+    plain, corrected = table(result, "judgement")
     assert plain["tests"] == 6
     assert corrected["test_over_prediction"] == pytest.approx(1.0, abs=0.12)
     arguments = ["fit", "stud-strength", str(file), "--model", "roik-mean", "--factor", "concrete"]
@@ -118,8 +118,8 @@ def test_a_series_is_evaluated_by_annex_b(
     for name, top, end in (("A1", 100, 60), ("A2", 105, 65), ("A3", 95, 75)):
         lines += [f"our lab,{name},0,0", f"our lab,{name},4,{top}", f"our lab,{name},12,{end}"]
     points.write_text("\n".join(lines) + "\n")
-    found = answer(capsys, "stud-strength", str(file), "--points", str(points))
-    (series,) = table(found, "series")
+    result = answer(capsys, "stud-strength", str(file), "--points", str(points))
+    (series,) = table(result, "series")
     assert series["P_Rk"] == pytest.approx(85.5e3)
     assert series["P_Rd"] == pytest.approx(450 / 472 * 85.5e3 / 1.25)
     assert series["slip_capacity"] == pytest.approx(6.21e-3)
@@ -131,10 +131,10 @@ def test_a_series_is_evaluated_by_annex_b(
 
 def test_own_and_shipped_tests_together(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = equal_tests(tmp_path / "series.csv")
-    found = answer(capsys, "stud-strength", str(file), "--with-shipped", "--model", "roik-mean",
+    result = answer(capsys, "stud-strength", str(file), "--with-shipped", "--model", "roik-mean",
                    "--calibrate", "provines2019", "--validate", "our lab")  # fmt: skip
-    assert [fit["campaigns"] for fit in table(found, "fit")] == ["provines2019"]
-    assert {row["campaigns"] for row in table(found, "judgement")} == {"our lab"}
+    assert [fit["campaigns"] for fit in table(result, "fit")] == ["provines2019"]
+    assert {row["campaigns"] for row in table(result, "judgement")} == {"our lab"}
 
 
 def test_validation_on_calibration_rows_is_refused(
@@ -164,13 +164,13 @@ def test_bad_rows_may_be_left_out_and_are_named(
     file.write_text(file.read_text() + "lab 0,bad,push-out,19,100,solid,30,450,-5\n")
     assert run(["fit", "stud-strength", str(file)]) == 2
     capsys.readouterr()
-    found = answer(capsys, "stud-strength", str(file), "--keep-good", "--model", "ollgaard")
-    (left_out,) = found["rows_left_out"]
+    result = answer(capsys, "stud-strength", str(file), "--keep-good", "--model", "ollgaard")
+    (left_out,) = result["rows_left_out"]
     assert "lab.csv, line 26, column shear_kN = -5.0" in left_out
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["stud-strength", "--model", "en1995"], "must be one of en1994, roik-mean"),
         (["stud-strength", "--trend", "colour"], "must be one of diameter"),
@@ -188,25 +188,25 @@ def test_bad_rows_may_be_left_out_and_are_named(
     ],
 )
 def test_bad_options_are_one_line_and_status_2(
-    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["fit", *arguments]) == 2
     captured = capsys.readouterr()
     assert captured.out == ""
     assert captured.err.count("\n") == 1
-    assert said in captured.err
+    assert message in captured.err
 
 
 # -- load-slip ------------------------------------------------------------------------------------
 
 
 def test_load_slip_of_shipped_curves(capsys: pytest.CaptureFixture[str]) -> None:
-    found = answer(capsys, "load-slip", "--validate", "lehigh279")
-    laws = {fit["law"]: fit for fit in table(found, "fit")}
+    result = answer(capsys, "load-slip", "--validate", "lehigh279")
+    laws = {fit["law"]: fit for fit in table(result, "fit")}
     assert set(laws) == {"ollgaard", "bilinear", "rational"}
     assert laws["ollgaard"]["curves"] == 22
-    assert [row["curves"] for row in table(found, "judgement", "ollgaard")] == [2]
-    grid = table(found, "grid", "ollgaard")
+    assert [row["curves"] for row in table(result, "judgement", "ollgaard")] == [2]
+    grid = table(result, "grid", "ollgaard")
     assert all(row["low"] <= row["median"] <= row["high"] for row in grid)
     assert run(["fit", "load-slip", "--law", "ollgaard", "--validate", "lehigh279"]) == 0
     text = capsys.readouterr().out
@@ -227,26 +227,26 @@ def test_the_grade_stands_first_until_tests_are_given(
     assert f"GRADE: {grade}" in text
     assert "the table holds no test after pre-damage" in text
     synthetic = damaged(tmp_path / "synthetic.csv", "pull-out", "displacement ratio")
-    found = answer(capsys, "residual", str(synthetic), "--quantity", "strength")
-    (fit,) = table(found, "fit")
+    result = answer(capsys, "residual", str(synthetic), "--quantity", "strength")
+    (fit,) = table(result, "fit")
     assert fit["grade"] == "exercise on synthetic rows: shows the method, is no evidence"
-    assert {score["name"] for score in table(found, "scores")} >= {"linear", "mechanical"}
+    assert {score["name"] for score in table(result, "scores")} >= {"linear", "mechanical"}
     assert fit["tests"] == 24
     measured = damaged(tmp_path / "measured.csv", "fatigue", "life fraction", "measured")
-    found = answer(capsys, "residual", str(measured), "--quantity", "strength",
+    result = answer(capsys, "residual", str(measured), "--quantity", "strength",
                    "--validate", "lab 3")  # fmt: skip
-    (fit,) = table(found, "fit")
+    (fit,) = table(result, "fit")
     assert fit["grade"].endswith("cross-validated over campaigns")
-    weights = {score["name"]: score["weight"] for score in table(found, "scores")}
+    weights = {score["name"]: score["weight"] for score in table(result, "scores")}
     assert weights["linear"] + weights["power"] + weights["threshold"] > 0.9  # all hold the truth
-    assert table(found, "parameters")[0]["value"] == pytest.approx(0.5, abs=0.05)
+    assert table(result, "parameters")[0]["value"] == pytest.approx(0.5, abs=0.05)
     assert "for damage up to 0.85 of studs 19 mm, as tested" in fit["holds"]
-    curve = table(found, "curve")
+    curve = table(result, "curve")
     assert curve[30]["left"] == pytest.approx(1.0 - 0.5 * 0.75, abs=0.03)
     beyond = [row for row in curve if row["extrapolated"]]
     assert [row["level"] for row in beyond] == [pytest.approx(k / 40) for k in range(35, 41)]
     assert [row["low"] for row in beyond] == [None] * 6
-    assert [row["tests"] for row in table(found, "judgement")] == [6]
+    assert [row["tests"] for row in table(result, "judgement")] == [6]
     assert run(["fit", "residual", str(measured), "--quantity", "strength"]) == 0
     text = capsys.readouterr().out
     assert "24 tests after pre-damage" in text
@@ -311,10 +311,10 @@ def test_the_role_of_a_row_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture
         *("validate" if line.startswith("lab 3") else "calibrate" for line in lines[1:]),
     ]
     file.write_text("\n".join(f"{a},{b}" for a, b in zip(lines, roles, strict=True)) + "\n")
-    found = answer(capsys, "stud-strength", str(file), "--model", "roik-mean")
-    assert found["validate"] == ["lab 3"]
-    assert [fit["campaigns"] for fit in table(found, "fit")] == ["lab 0, lab 1, lab 2"]
-    assert {row["campaigns"] for row in table(found, "judgement")} == {"lab 3"}
+    result = answer(capsys, "stud-strength", str(file), "--model", "roik-mean")
+    assert result["validate"] == ["lab 3"]
+    assert [fit["campaigns"] for fit in table(result, "fit")] == ["lab 0, lab 1, lab 2"]
+    assert {row["campaigns"] for row in table(result, "judgement")} == {"lab 3"}
     arguments = ["fit", "stud-strength", str(file), "--calibrate", "lab 3"]
     assert run(arguments) == 2
     assert "has no row whose role is calibrate" in capsys.readouterr().err
@@ -327,10 +327,10 @@ def test_formulas_that_the_table_cannot_feed_are_named(
     file = tmp_path / "without_fu.csv"
     short = [",".join(line.split(",")[:7] + line.split(",")[8:]) for line in lines]
     file.write_text("\n".join(short) + "\n")
-    found = answer(capsys, "stud-strength", str(file))
-    assert [fit["model"] for fit in table(found, "fit")] == ["ollgaard"]
-    assert {row["of"] for row in table(found, "not_fitted")} == set(SHEAR_MODELS) - {"ollgaard"}
-    (refused,) = table(found, "not_fitted", "en1994")
+    result = answer(capsys, "stud-strength", str(file))
+    assert [fit["model"] for fit in table(result, "fit")] == ["ollgaard"]
+    assert {row["of"] for row in table(result, "not_fitted")} == set(SHEAR_MODELS) - {"ollgaard"}
+    (refused,) = table(result, "not_fitted", "en1994")
     assert "fill diameter_mm, height_mm, fcm_MPa and fu_MPa" in refused["why"]
     assert run(["fit", "stud-strength", str(file)]) == 0
     assert "not fitted: en1994: table" in capsys.readouterr().out

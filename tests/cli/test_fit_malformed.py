@@ -110,7 +110,7 @@ def test_there_are_more_than_twenty() -> None:
 
 
 @pytest.mark.parametrize(
-    ("verb", "content", "said"),
+    ("verb", "content", "message"),
     [
         ("load-slip", b"campaign,specimen,slip_mm\nlab,A,0.1\n", "required column missing"),
         ("load-slip", b"campaign,specimen,slip_mm,load_kN\nlab,A,x,3\n", "column slip_mm = 'x'"),
@@ -119,14 +119,14 @@ def test_there_are_more_than_twenty() -> None:
     ],
 )
 def test_the_other_verbs_refuse_alike(
-    tmp_path: Path, verb: str, content: bytes, said: str, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, verb: str, content: bytes, message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "tests.csv"
     file.write_bytes(content)
     assert run(["fit", verb, str(file)]) == 2
     err = capsys.readouterr().err
     assert err.count("\n") == 1
-    assert said in err
+    assert message in err
 
 
 @pytest.mark.parametrize("value", ["-1", "0", "nan", "1e9"])
@@ -134,17 +134,17 @@ def test_an_impossible_specified_strength_is_refused(
     capsys: pytest.CaptureFixture[str], value: str
 ) -> None:
     assert run(["fit", "stud-strength", "--specified-fu", value]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith("workbench: --specified-fu = ")
-    assert "from 200 to 1500 MPa" in said
+    errors = capsys.readouterr().err
+    assert errors.startswith("workbench: --specified-fu = ")
+    assert "from 200 to 1500 MPa" in errors
 
 
 def test_missing_files_and_directories(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for file, said in ((tmp_path / "no.csv", "No such file"), (tmp_path, "is a directory")):
+    for file, text in ((tmp_path / "no.csv", "No such file"), (tmp_path, "is a directory")):
         assert run(["fit", "stud-strength", str(file)]) == 2
         err = capsys.readouterr().err
         assert err.count("\n") == 1
-        assert said in err
+        assert text in err
 
 
 def test_a_gigabyte_of_nonsense_is_refused_early(tmp_path: Path) -> None:
@@ -154,7 +154,7 @@ def test_a_gigabyte_of_nonsense_is_refused_early(tmp_path: Path) -> None:
         stream.truncate(1_000_000_000)
     empty.write_bytes(b"")
     seconds = {}
-    for file, said in ((empty, "is empty"), (huge, "must not exceed 20 MB")):
+    for file, text in ((empty, "is empty"), (huge, "must not exceed 20 MB")):
         done = subprocess.run(
             [sys.executable, "-c", MEASURE, *command("stud-strength", str(file))],
             capture_output=True,
@@ -162,7 +162,7 @@ def test_a_gigabyte_of_nonsense_is_refused_early(tmp_path: Path) -> None:
         )
         status, memory, seconds[file] = (float(word) for word in done.stdout.split())
         assert status == 2
-        assert said in done.stderr
+        assert text in done.stderr
         assert done.stderr.count("\n") == 1
         assert memory < LEAST_MEMORY
     assert seconds[huge] < 2.0 * seconds[empty]  # of the processor, whatever else it has to do

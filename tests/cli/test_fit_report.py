@@ -99,14 +99,14 @@ def test_the_report_of_strength_tells_design_values_and_every_test(reports: Path
 
 
 def test_influence_is_that_of_leaving_a_test_out(reports: Path, tmp_path: Path) -> None:
-    found = pd.read_csv(reports / "strength-curves" / "influence.csv")
-    own = found[(found["panel"] == "EN 1994-1-1") & (found["specimen"] == "C4")].iloc[0]
+    result = pd.read_csv(reports / "strength-curves" / "influence.csv")
+    given = result[(result["panel"] == "EN 1994-1-1") & (result["specimen"] == "C4")].iloc[0]
     file = tmp_path / "without.csv"
     file.write_text("".join(line for line in STRENGTH.splitlines(True) if ",C4," not in line))
     out = tmp_path / "without.html"
     assert run(["fit", "stud-strength", str(file), "--model", "en1994", "--report", str(out)]) == 0
     rest = pd.read_csv(tmp_path / "without-curves" / "influence.csv")
-    assert own["without"] == pytest.approx(rest["value"].iloc[0], rel=1e-8)  # of CSV digits
+    assert given["without"] == pytest.approx(rest["value"].iloc[0], rel=1e-8)  # of CSV digits
 
 
 COMBINED = """campaign,specimen,test,diameter_mm,fcm_MPa,shear_kN,tension_kN
@@ -119,7 +119,7 @@ TU lab,C3,combined,19,31,45.0,61.0
 
 
 @pytest.mark.parametrize(
-    ("verb", "text", "more", "said"),
+    ("verb", "text", "more", "message"),
     [
         ("interaction", COMBINED, [], "t^p + v^p = 1, fitted"),
         ("few-tests", "\n".join(STRENGTH.splitlines()[:3]) + "\n",
@@ -127,13 +127,13 @@ TU lab,C3,combined,19,31,45.0,61.0
     ],
 )  # fmt: skip
 def test_interaction_and_few_tests_have_reports_too(
-    tmp_path: Path, verb: str, text: str, more: list[str], said: str
+    tmp_path: Path, verb: str, text: str, more: list[str], message: str
 ) -> None:
     (tmp_path / "lab.csv").write_text(text)
     out = tmp_path / "out.html"
     assert run(["fit", verb, str(tmp_path / "lab.csv"), *more, "--report", str(out)]) == 0
     shown = words_of(out.read_text())
-    assert said in shown
+    assert message in shown
     assert "None of the checks" not in shown
     data = shown.partition("The tests as they stand in the table")[2]
     assert data.count("companion") == (2 if verb == "interaction" else 0)
@@ -168,12 +168,12 @@ def test_equal_input_gives_equal_bytes(reports: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    ("name", "message"),
     [("a.docx", "must end in html or pdf"), ("none/a.pdf", "there is no directory"),
      (".", "is a directory")],
 )  # fmt: skip
 def test_a_report_that_cannot_be_is_refused_before_the_fit(
-    name: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    name: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["fit", "stud-strength", "--report", str(tmp_path / name)]) == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err

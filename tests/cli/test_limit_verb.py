@@ -24,9 +24,9 @@ def test_limits_of_two_models(car: str, capsys: pytest.CaptureFixture[str]) -> N
     models = ["--model", "four-dof", "--model", "energy-estimate"]
     arguments = ["limit", car, "--over", "striker.velocity", *models]
     assert run([*arguments, "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert (found["over"], found["range"]) == ("striker.velocity", [1.0, 60.0])
-    bars, energy = found["limits"]
+    answer = json.loads(capsys.readouterr().out)
+    assert (answer["over"], answer["range"]) == ("striker.velocity", [1.0, 60.0])
+    bars, energy = answer["limits"]
     assert (bars["model"], energy["model"]) == ("four-dof", "energy-estimate")
     assert bars["collapses_at"] == pytest.approx(energy["collapses_at"], rel=0.02)
     values = [trial["value"] for trial in bars["trials"]]
@@ -37,14 +37,14 @@ def test_limits_of_two_models(car: str, capsys: pytest.CaptureFixture[str]) -> N
     text = capsys.readouterr().out
     assert bars["collapses_at"] == pytest.approx(9.527, rel=2e-3)  # steps of 20 microseconds
     value = f"{bars['collapses_at']:g}"
-    for said in ("survives at", "collapses at", value, "geometry (below) at 0.54"):
-        assert said in text
+    for words in ("survives at", "collapses at", value, "geometry (below) at 0.54"):
+        assert words in text
 
 
 def test_the_limit_warns_as_a_run_there_does(car: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["limit", car, "--model", "four-dof", "--json"]) == 0
-    (found,) = json.loads(capsys.readouterr().out)["limits"]
-    value = f"striker.velocity={found['survives_at']!r}"
+    (answer,) = json.loads(capsys.readouterr().out)["limits"]
+    value = f"striker.velocity={answer['survives_at']!r}"
     run(
         [
             "simulate",
@@ -59,13 +59,13 @@ def test_the_limit_warns_as_a_run_there_does(car: str, capsys: pytest.CaptureFix
         ]
     )
     there = json.loads(capsys.readouterr().out)["warnings"]
-    told = {w["subject"] for w in found["warnings"]}
-    assert {w["subject"] for w in there} <= {*told, "close-to-collapse"}
-    assert "error-not-measured" in told  # webs slide further than the reference follows
-    assert "warnings" not in found["trials"][0]
+    findings = {w["subject"] for w in answer["warnings"]}
+    assert {w["subject"] for w in there} <= {*findings, "close-to-collapse"}
+    assert "error-not-measured" in findings  # webs slide further than the reference follows
+    assert "warnings" not in answer["trials"][0]
     assert run(["limit", car, "--model", "four-dof"]) == 0
     text = " ".join(capsys.readouterr().out.split())
-    for warning in found["warnings"]:
+    for warning in answer["warnings"]:
         assert f"warning of four-dof there ({warning['subject']})" in text
 
 
@@ -73,10 +73,10 @@ def test_the_model_by_default_is_that_of_the_remedies(
     car: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["limit", car, "--tolerance", "0.2", "--json"]) == 0
-    (found,) = json.loads(capsys.readouterr().out)["limits"]
-    assert found["model"] == choose(load_scenario(car)).model != "four-dof"
-    told = {w["subject"] for w in found["warnings"]}
-    assert not told & {"shear", "measured"}
+    (answer,) = json.loads(capsys.readouterr().out)["limits"]
+    assert answer["model"] == choose(load_scenario(car)).model != "four-dof"
+    findings = {w["subject"] for w in answer["warnings"]}
+    assert not findings & {"shear", "measured"}
 
 
 def test_other_keys_need_a_range(car: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -115,7 +115,7 @@ def test_what_stays_open_is_status_1(car: str, capsys: pytest.CaptureFixture[str
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["--over", "striker.speed", "--from", "1", "--to", "2"], "striker.speed: unknown key"),
         (["--over", "striker.mass"], "--from, --to: must both be given for striker.mass"),
@@ -132,11 +132,11 @@ def test_what_stays_open_is_status_1(car: str, capsys: pytest.CaptureFixture[str
     ],
 )
 def test_bad_input_is_one_line_and_status_2(
-    arguments: list[str], said: str, car: str, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], message: str, car: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["limit", car, *arguments]) == 2
     captured = capsys.readouterr()
-    assert said in captured.err
+    assert message in captured.err
     assert (captured.out, captured.err.count("\n")) == ("", 1)
 
 

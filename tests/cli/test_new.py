@@ -20,14 +20,16 @@ def test_a_filled_template_is_fitted(
 ) -> None:
     assert run(["new", "studs", "--kind", kind]) == 0
     text = capsys.readouterr().out
-    told = TEMPLATES[kind]
+    statements = TEMPLATES[kind]
     file = tmp_path / "table.csv"
-    printed = told.verb.removesuffix(" --report FILE.html").replace("FILE.csv", str(file)).split()
+    printed = (
+        statements.verb.removesuffix(" --report FILE.html").replace("FILE.csv", str(file)).split()
+    )
     file.write_text(text)
     assert run(printed) == 2  # not filled
     assert "must hold one row or more" in capsys.readouterr().err
     example = [line[1:].strip() for line in text.splitlines() if line.startswith("#     our lab")]
-    assert example == list(told.rows)
+    assert example == list(statements.rows)
     assert run(["new", "studs", "--kind", kind, "--example"]) == 0
     assert capsys.readouterr().out == text + "\n".join(example) + "\n"
     file.write_text(text + "\n".join(example) + "\n")
@@ -37,8 +39,8 @@ def test_a_filled_template_is_fitted(
     assert run([*printed, *one, "--json"]) == 0
     content = json.loads(capsys.readouterr().out)
     assert content["rows_left_out"] == []
-    for name in (*told.columns, *told.more):
-        told.schema.column(name)  # every one exists
+    for name in (*statements.columns, *statements.more):
+        statements.schema.column(name)  # every one exists
 
 
 def test_a_template_for_something_else_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

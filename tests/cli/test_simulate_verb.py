@@ -92,8 +92,8 @@ def test_the_headline_says_what_was_not_measured_and_what_is_expected(
     content = json.loads(capsys.readouterr().out)
     error, peak = content["error"], 1e3 * content["peak_displacement"]
     assert not error["low"] <= 0.0 <= error["high"]
-    said = f"; expected {peak / (1.0 + error['expected']):.1f}, 90 %: "
-    assert said in content["headline"].replace("\u00a0", " ")
+    text = f"; expected {peak / (1.0 + error['expected']):.1f}, 90 %: "
+    assert text in content["headline"].replace("\u00a0", " ")
 
 
 def test_all_numbers_with_full(file: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -148,7 +148,7 @@ def test_a_wall_time_holds_no_compilation(
 
 
 @pytest.mark.parametrize(
-    ("more", "said"),
+    ("more", "message"),
     [
         (["--plot", "a.gif"], "--plot = 'a.gif': must end in png or svg or pdf"),
         (["--model", "four-dof", "--model", "biggs", "--out", "a.nc"], "must be one for --out"),
@@ -159,11 +159,11 @@ def test_a_wall_time_holds_no_compilation(
     ],
 )
 def test_bad_input_is_one_line(
-    file: str, more: list[str], said: str, capsys: pytest.CaptureFixture[str]
+    file: str, more: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["simulate", file, *more]) == 2
     captured = capsys.readouterr()
-    assert said in captured.err
+    assert message in captured.err
     assert (captured.out, captured.err.count("\n")) == ("", 1)
 
 

@@ -59,9 +59,9 @@ def test_a_pipe_that_is_not_utf_8_gets_ascii(scenario: Path, environment: dict[s
     assert content.isascii()
     assert "Stoß ± λ" in json.loads(content)["provenance"]["scenario"]
     assert nothing == b""
-    said = re.sub(rb"workbench: [^\n]* at work for 2 s[^\n]*\n", b"", done.stderr)  # if slow
-    assert said.startswith(b"<0>\n<0>\nworkbench: ")
-    assert said.count(b"\n") == 4
+    words = re.sub(rb"workbench: [^\n]* at work for 2 s[^\n]*\n", b"", done.stderr)  # if slow
+    assert words.startswith(b"<0>\n<0>\nworkbench: ")
+    assert words.count(b"\n") == 4
 
 
 def test_a_pipe_or_stream_that_is_closed_ends_without_a_traceback() -> None:

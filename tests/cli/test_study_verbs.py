@@ -110,15 +110,15 @@ def until(condition: object, seconds: float = 300.0) -> None:
 
 
 def processes_of_group(group: int) -> list[int]:
-    found = []
+    values = []
     for path in Path("/proc").glob("[0-9]*/stat"):
         try:
             fields = path.read_text().rpartition(")")[2].split()
         except OSError:
             continue
         if int(fields[2]) == group and fields[0] != "Z":
-            found.append(int(path.parent.name))
-    return found
+            values.append(int(path.parent.name))
+    return values
 
 
 def test_a_killed_run_goes_on_where_it_was(
@@ -138,13 +138,13 @@ def test_a_killed_run_goes_on_where_it_was(
 
     here = ["run", str(study_file), "--jobs", "0", "--store"]
     assert run([*here, str(store)]) == 0
-    said, progress = capsys.readouterr()
+    output, progress = capsys.readouterr()
     assert f"{12 - len(before) // 2} cells to answer, {len(before) // 2} already stored" in progress
     after = stamps(store)
     assert len(after) == 24
     assert {name: after[name] for name in before} == before
     assert not list(store.glob("slow-toy/cells/*.partial"))
-    assert "The results are in" in said
+    assert "The results are in" in output
 
     assert run([*here, str(tmp_path / "whole")]) == 0
     assert contents(store) == contents(tmp_path / "whole")
@@ -181,12 +181,12 @@ def test_an_interrupt_says_what_is_stored(study_file: Path, tmp_path: Path) -> N
     running = start("run", str(study_file), "--jobs", "2", "--store", str(store))
     until(lambda: len(stamps(store)) >= 4)
     os.killpg(running.pid, signal.SIGINT)  # as the terminal does on Ctrl-C
-    _, said = running.communicate()
+    _, output = running.communicate()
     assert running.returncode == 130
     stored = len(stamps(store)) // 2
-    last = said.splitlines()[-1]
+    last = output.splitlines()[-1]
     assert last.startswith(f"workbench: interrupted: {stored} of 12 cells are stored in {store}")
-    assert "Traceback" not in said
+    assert "Traceback" not in output
     until(lambda: not processes_of_group(running.pid))
 
 
@@ -214,11 +214,11 @@ def test_an_interrupt_while_workers_import_is_for_the_run_alone(
     until(lambda: len(workers_of_group(running.pid)) == 2)
     assert all(blocks_interrupts(pid) for pid in workers_of_group(running.pid))
     os.killpg(running.pid, signal.SIGINT)
-    _, said = running.communicate()
+    _, output = running.communicate()
     assert running.returncode == 130
     # 0 of them, but on a machine that has so much to do that the workers are seen late
-    assert re.search(r"interrupted: \d+ of 12 cells are stored", said)
-    assert "Traceback" not in said
+    assert re.search(r"interrupted: \d+ of 12 cells are stored", output)
+    assert "Traceback" not in output
     until(lambda: not processes_of_group(running.pid))
 
 
@@ -226,10 +226,10 @@ def test_a_worker_killed_while_it_starts_is_told_as_such(study_file: Path, tmp_p
     running = start("run", str(study_file), "--jobs", "1", "--store", str(tmp_path / "store"))
     until(lambda: workers_of_group(running.pid))
     os.kill(workers_of_group(running.pid)[0], signal.SIGKILL)
-    _, said = running.communicate()
+    _, output = running.communicate()
     assert running.returncode == 1
-    assert "ended by signal SIGKILL before it was ready; somebody or the system" in said
-    assert "Traceback" not in said
+    assert "ended by signal SIGKILL before it was ready; somebody or the system" in output
+    assert "Traceback" not in output
 
 
 def test_a_full_disk_is_one_message_and_loses_nothing(study_file: Path, tmp_path: Path) -> None:
@@ -239,12 +239,12 @@ def test_a_full_disk_is_one_message_and_loses_nothing(study_file: Path, tmp_path
     assert run([*command, "--only", "v8.0"]) == 0
     before = {path: path.read_bytes() for path in store.rglob("*.*") if path.is_file()}
     full = start(*command, largest_file=4000)
-    _, said = full.communicate()
+    _, output = full.communicate()
     assert full.returncode in (1, 2)
-    last = said.splitlines()[-1]
+    last = output.splitlines()[-1]
     assert last.startswith("workbench: ")
     assert "cannot be" in last
-    assert "Traceback" not in said
+    assert "Traceback" not in output
     assert {path: path.read_bytes() for path in before} == before
     assert not list(store.rglob("*.partial"))
     assert run(command) == 0
@@ -264,17 +264,17 @@ def test_run_status_validate(
     assert "soft against fine: relative error of peak displacement" in text
     assert "Cells: 12 ok." in text
     assert run(["status", str(study_file), *where, "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["counts"] == {"done": 12, "failed": 0, "to do": 0}
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["counts"] == {"done": 12, "failed": 0, "to do": 0}
     assert run(["validate", str(study_file), *where, "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert [gate["verdict"] for gate in found["gates"]] == ["pass", "pass"]
+    answer = json.loads(capsys.readouterr().out)
+    assert [gate["verdict"] for gate in answer["gates"]] == ["pass", "pass"]
     assert run(["run", str(study_file), "--jobs", "0", *where, "--json"]) == 0
     captured = capsys.readouterr()
-    found = json.loads(captured.out)
+    answer = json.loads(captured.out)
     assert captured.err == ""
-    assert (found["answered"], found["stored"]) == (0, 12)
-    assert found["outcomes"] == {"ok": 12}
+    assert (answer["answered"], answer["stored"]) == (0, 12)
+    assert answer["outcomes"] == {"ok": 12}
 
 
 def test_validate_fails_when_a_gate_does(
@@ -353,8 +353,8 @@ def test_report_hands_the_store_to_the_builder(
     assert run(["report", str(study_file), *where, "--format", "html", "--json"]) == 0
     directory = tmp_path / "store" / "slow-toy"
     assert seen == [directory, 12, ("html",), None]  # all cells are read by now
-    found = json.loads(capsys.readouterr().out)
-    assert found["files"] == {"html": str(directory / "report.html")}
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["files"] == {"html": str(directory / "report.html")}
     assert run(["report", str(study_file), *where, "--format", "html"]) == 0
     assert (
         "No explorer: no answer of this study is a history or a curve." in capsys.readouterr().out

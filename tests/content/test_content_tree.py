@@ -51,9 +51,9 @@ def test_figures_and_tables_are_numbered_and_named_by_texts():
     whole = Document("Title", "", (), (Section("outer", "Outer", (table, inner, text)),))
     assert whole.named == {"values": "Table 1", "plot": "Figure 1", "again": "Figure 2"}
     page, html = render_markdown(whole), render_html(whole)
-    said = f"Figure 1 and Figure 2 draw Table 1, not {ELSEWHERE}."
-    assert said in page
-    assert said in re.sub("<[^>]*>", "", html)
+    words = f"Figure 1 and Figure 2 draw Table 1, not {ELSEWHERE}."
+    assert words in page
+    assert words in re.sub("<[^>]*>", "", html)
     for target, name in (("plot-again", "Figure 2"), ("table-values", "Table 1")):
         assert f'href="#{target}">{name}</a>' in html
         assert f'id="{target}"' in html

@@ -52,8 +52,8 @@ def stand(column: Column, lengths: np.ndarray, hardening: float, layers: int = 2
     mass = column.properties.mass_per_length * tributary
     radius_squared = float(np.sum(y**2 * area) / np.sum(area))
     for number, value in enumerate(mass, 1):
-        own = float(value) + (column.head_mass if number == head else 0.0)
-        ops.mass(number, own, own, float(value) * radius_squared)
+        given = float(value) + (column.head_mass if number == head else 0.0)
+        ops.mass(number, given, given, float(value) * radius_squared)
     ops.timeSeries("Linear", 1)
     if column.axial_load:
         ops.pattern("Plain", 1, 1)
@@ -109,17 +109,17 @@ def hit_by(scenario: ColumnImpact, hit: int, dt: float, count: int) -> np.ndarra
     Trapezoidal rule, then backward difference: Newmark's average rings, its peaks scatter by 1 %.
     """
     striker = scenario.striker
-    own = ops.nodeMass(hit)
+    given = ops.nodeMass(hit)
     momentum = striker.mass * striker.velocity
-    ops.mass(hit, own[0] + striker.mass, own[1], own[2])
-    ops.setNodeVel(hit, STRIKE, momentum / (own[0] + striker.mass), "-commit")
+    ops.mass(hit, given[0] + striker.mass, given[1], given[2])
+    ops.setNodeVel(hit, STRIKE, momentum / (given[0] + striker.mass), "-commit")
     _analysis("Transient", ("TRBDF2",))
     begin = ops.getTime()
-    found = []
+    values = []
     for number in range(1, count + 1):
         _advance(begin + number * dt)
-        found.append(ops.nodeDisp(hit, STRIKE))
-    return np.array(found)
+        values.append(ops.nodeDisp(hit, STRIKE))
+    return np.array(values)
 
 
 def peak_under(scenario: ColumnImpact, hit: int, dt: float) -> float:

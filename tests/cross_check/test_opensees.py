@@ -64,8 +64,8 @@ def test_static_force_displacement(scenario) -> None:
     _, lengths = ours(pushed, lumped=False)
     opensees.stand(scenario.column, np.concatenate(lengths), HARDENING)
     forces = opensees.push(len(lengths[0]) + 1, path)
-    found = np.interp(path, response["displacement"].values, response["force"].values)
-    difference = np.max(np.abs(found - forces)) / np.max(forces)
+    result = np.interp(path, response["displacement"].values, response["force"].values)
+    difference = np.max(np.abs(result - forces)) / np.max(forces)
     print(f"static, {scenario.name}: {difference:.2e}")
     assert difference <= 0.01
 
@@ -76,16 +76,16 @@ def test_impact_history(scenario) -> None:
     structure, lengths = ours(scenario, lumped=True)
     assembly, hit = structure.assembly, structure.dof("hit", "x")[0]
     striker = PointMass(scenario.striker.mass, scenario.striker.velocity)
-    found = []
+    values = []
     with threadpool_limits(1, user_api="blas"):
         for _ in impact(assembly, hit, striker, [(scenario.duration, TIME_STEP)], 0.5):
-            found.append(float(assembly.displacement[hit]))
-            if len(found) > 1.2 * (int(np.argmax(found)) + 1):
+            values.append(float(assembly.displacement[hit]))
+            if len(values) > 1.2 * (int(np.argmax(values)) + 1):
                 break
     opensees.stand(scenario.column, np.concatenate(lengths), HARDENING)
-    expected = opensees.hit_by(scenario, len(lengths[0]) + 1, TIME_STEP, len(found))
-    assert np.argmax(expected) < len(found) - 1
-    difference = np.max(np.abs(np.array(found) - expected)) / np.max(expected)
+    expected = opensees.hit_by(scenario, len(lengths[0]) + 1, TIME_STEP, len(values))
+    assert np.argmax(expected) < len(values) - 1
+    difference = np.max(np.abs(np.array(values) - expected)) / np.max(expected)
     print(f"impact, {scenario.name}: {difference:.2e}")
     assert difference <= 0.01
 

@@ -55,8 +55,8 @@ COLUMNS = {
 
 
 def hit(name: str) -> ColumnImpact:
-    own, mass, velocity, duration = COLUMNS[name]
-    return ColumnImpact(name, own, Striker(mass, velocity), duration)
+    given, mass, velocity, duration = COLUMNS[name]
+    return ColumnImpact(name, given, Striker(mass, velocity), duration)
 
 
 def inner(scenario: ColumnImpact) -> float:
@@ -90,10 +90,10 @@ def converged(name: str) -> float:
 def bias_of(name: str) -> tuple[float, float]:
     """Relative bias of the peak, and the stated relative half-width."""
     response = Bernoulli().simulate(hit(name))
-    found = float(response["peak_displacement"])
-    width = json.loads(response.attrs["numerical_uncertainty"])["peak_displacement"] / found
-    bias = found / converged(name) - 1.0
-    print(f"{name}: {found:.5f} m, OpenSees {converged(name):.5f} m, {bias:+.2%}, {width:.2%}")
+    peak = float(response["peak_displacement"])
+    width = json.loads(response.attrs["numerical_uncertainty"])["peak_displacement"] / peak
+    bias = peak / converged(name) - 1.0
+    print(f"{name}: {peak:.5f} m, OpenSees {converged(name):.5f} m, {bias:+.2%}, {width:.2%}")
     return bias, width
 
 

@@ -142,7 +142,7 @@ def test_models_stand_side_by_side(column: Any, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("call", "said"),
+    ("call", "message"),
     [
         (lambda c: wb.hit(c, "1.5 m", 15), "striker.mass = '1.5 m': must be a number above 0"),
         (lambda c: wb.hit(c, 1500, 15, node="hit"), "node = 'hit': is for frames"),
@@ -153,10 +153,10 @@ def test_models_stand_side_by_side(column: Any, tmp_path: Path) -> None:
         (lambda c: wb.fit_residual("none.csv"), "table = 'none.csv': is not a file"),
     ],
 )
-def test_bad_input_is_one_line(column: Any, call: Any, said: str) -> None:
+def test_bad_input_is_one_line(column: Any, call: Any, message: str) -> None:
     with pytest.raises(InputError) as error:
         call(column)
-    assert said in str(error.value)
+    assert message in str(error.value)
     assert "\n" not in str(error.value)
 
 

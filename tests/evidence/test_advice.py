@@ -70,14 +70,14 @@ def test_no_advice_goes_in_a_circle_and_all_of_it_ends_inside_a_domain(models, c
             (name,) = names
             assert name not in trail
             trail.append(name)
-            own = models[name].domain(hit)
+            findings = models[name].domain(hit)
             if name == ANCHOR:
                 error = anchor_error(hit)
                 assert error.chance is not None, f"{hit.name}: {error}"
                 assert error.chance <= WARNED
-                assert not [f for f in own if f.refusal]
+                assert not [f for f in findings if f.refusal]
             else:
-                assert not [f for f in own if f.outside or f.refusal], f"{hit.name}: {trail}"
+                assert not [f for f in findings if f.outside or f.refusal], f"{hit.name}: {trail}"
         assert len({better(name, hit) for name in below}) == 1
         chosen = choose(hit)
         assert chosen.model == (trail[0] if trail and trail[0] != FINEST else ANCHOR)
@@ -85,22 +85,24 @@ def test_no_advice_goes_in_a_circle_and_all_of_it_ends_inside_a_domain(models, c
     assert taken == set(ORDER[:2])
 
 
-def found(model: Any, hit: Any) -> dict[str, Finding]:
+def advice_for(model: Any, hit: Any) -> dict[str, Finding]:
     return {f.subject: f for f in advise(model, hit, model.simulate(hit))}
 
 
 def test_the_error_stands_in_place_of_what_a_domain_says(thesis_impact: ColumnImpact) -> None:
-    told = found(FourDof(), thesis_impact)
+    statements = advice_for(FourDof(), thesis_impact)
     assert "shear" in {f.subject for f in FourDof().domain(thesis_impact)}
-    assert set(told) == {"error"}
-    error = told["error"]
+    assert set(statements) == {"error"}
+    error = statements["error"]
     assert error.outside
     assert error.number > WARNED
     assert re.search(r"expect -\d+ %, 90 %: -\d+ to -\d+ %.*, because webs yield", error.text)
     assert error.remedy == f"take {ANCHOR}"
-    assert found(make_model(ANCHOR), thesis_impact) == {}  # within 10 %, and nothing else to say
+    assert (
+        advice_for(make_model(ANCHOR), thesis_impact) == {}
+    )  # within 10 %, and nothing else to say
     push = ColumnPushover("push", thesis_impact.column, 0.05)
-    assert "shear" in found(FourDof(), push)  # nothing was measured of these
+    assert "shear" in advice_for(FourDof(), push)  # nothing was measured of these
     beam = make_model("fiber-reissner")
     assert "shear" in {f.subject for f in advise(beam, thesis_impact)}  # so that it judges nobody
 
@@ -109,7 +111,9 @@ def test_a_hit_that_hardly_yields_an_unequal_column_is_not_18_percent_off_in_sil
     """The lumped mass stands for less than the longer bar takes up (docs/theory/hit-mass.md)."""
     column = Column(find("HEA 180"), 1.295, 5.115, axial_load=384.5e3)
     hit = ColumnImpact("unequal", column, Striker(392.0, 4.2))
-    assert re.search(r"expect \+2\d %, 90 %: \+1\d to", found(FourDofShear(), hit)["error"].text)
+    assert re.search(
+        r"expect \+2\d %, 90 %: \+1\d to", advice_for(FourDofShear(), hit)["error"].text
+    )
 
 
 @pytest.mark.parametrize("name", ["single-dof", "energy-estimate"])
@@ -118,22 +122,22 @@ def test_the_default_resistance_sees_drawn_columns_collapse(name: str) -> None:
     rows = load("columns")
     rows = rows[rows["reference_state"].isin(["ok", "collapse"])]
     falls, fixed = rows["reference_state"] == "collapse", rows["column.head"] == "fixed"
-    own, cubic = rows[name], rows[f"{name} resistance=cubic"]
+    given, cubic = rows[name], rows[f"{name} resistance=cubic"]
     assert make_model(name) == make_model(name, {"resistance": "analytic"})
-    assert np.isinf(own[falls]).sum() >= 12 > np.isinf(cubic[falls]).sum() == 0
-    ratios = (each[fixed & ~falls] / rows["reference_peak"] for each in (own, cubic))
+    assert np.isinf(given[falls]).sum() >= 12 > np.isinf(cubic[falls]).sum() == 0
+    ratios = (each[fixed & ~falls] / rows["reference_peak"] for each in (given, cubic))
     medians = [float(each[np.isfinite(each)].median()) for each in ratios]
     assert medians[0] > 0.94 > 0.91 > medians[1]
 
 
 def test_outside_what_was_drawn_it_says_so_and_names_a_reference(thesis_impact) -> None:
     light = replace(thesis_impact, striker=Striker(3.0, 5.0))
-    told = found(FourDof(), light)
-    text = told["error-not-measured"].text
+    statements = advice_for(FourDof(), light)
+    text = statements["error-not-measured"].text
     assert text.startswith("not measured here: ")
     assert "striker over lumped mass" in text
-    assert "shear" in told  # the physics is all that is known
-    assert told["error-not-measured"].remedy == "take fiber-shear"
+    assert "shear" in statements  # the physics is all that is known
+    assert statements["error-not-measured"].remedy == "take fiber-shear"
     assert choose(light).model == "fiber-shear"
 
 
@@ -151,9 +155,9 @@ class Biased(FlexibleSuperelement):
 
 def test_a_plug_in_has_an_error_and_a_remedy_too(thesis_impact: ColumnImpact) -> None:
     error = json.loads(advised(Biased(), thesis_impact, Biased().simulate(thesis_impact)).error)
-    own = json.loads(advised(*answer_of(ANCHOR, thesis_impact)).error)
-    assert 1.0 + error["expected"] == pytest.approx(0.8 * (1.0 + own["expected"]))
-    assert found(Biased(), thesis_impact)["error"].remedy == f"take {ANCHOR}"
+    answer = json.loads(advised(*answer_of(ANCHOR, thesis_impact)).error)
+    assert 1.0 + error["expected"] == pytest.approx(0.8 * (1.0 + answer["expected"]))
+    assert advice_for(Biased(), thesis_impact)["error"].remedy == f"take {ANCHOR}"
 
 
 def answer_of(name: str, hit: Any) -> tuple[Any, Any, Response]:
@@ -170,11 +174,11 @@ def test_where_a_model_and_the_anchor_differ_about_collapse_the_anchor_is_said(f
     differs = (np.isinf(rows[ANCHOR]) == falls) & (np.isinf(rows[name]) != falls)
     known = rows[["reference_peak", ANCHOR, name]].notna().all(axis="columns")
     hit = cases[rows.loc[differs & known, "case"].iloc[0]]
-    told = found(make_model(name), hit)["error"]
-    assert told.outside
-    assert ("the anchor collapses" if falls else "the anchor survives") in told.text
-    assert told.number > 0.9
-    assert "error" not in found(make_model(ANCHOR), hit) or not falls
+    statements = advice_for(make_model(name), hit)["error"]
+    assert statements.outside
+    assert ("the anchor collapses" if falls else "the anchor survives") in statements.text
+    assert statements.number > 0.9
+    assert "error" not in advice_for(make_model(ANCHOR), hit) or not falls
 
 
 @pytest.mark.parametrize(
@@ -198,11 +202,14 @@ def test_restitution_head_mass_and_fixed_head_alone_warn_of_nothing(
 
 def test_nothing_is_above_the_last_and_input_that_is_mended_stays(thesis_impact) -> None:
     last = make_model(ORDER[-1])
-    own = [Finding("any", "text", instead=()), Finding("no-peak", "text", remedy="take longer")]
-    none, kept = with_remedies(last, thesis_impact, own)
+    findings = [
+        Finding("any", "text", instead=()),
+        Finding("no-peak", "text", remedy="take longer"),
+    ]
+    none, kept = with_remedies(last, thesis_impact, findings)
     assert none.remedy == NONE
     assert none.instead == ()
-    assert kept == own[1]
+    assert kept == findings[1]
     assert with_remedies(last, thesis_impact, [none]) == [none]
 
 

@@ -139,16 +139,16 @@ def test_the_same_truth_is_expected_whatever_the_model(stored) -> None:
 def test_a_model_that_is_20_percent_low_is_told_so(stored) -> None:
     """A plug-in that the data never saw: 0.8 of the reference, as the solids correct that."""
     rows = JUDGED.iloc[np.random.default_rng(3).permutation(len(JUDGED))[:50]]
-    told, held = [], 0
+    statements, held = [], 0
     for _, row in rows.iterrows():
         doubts = COLUMNS.doubts(row)
         truth = row[TRUTH] * np.exp(np.median(doubts) if len(doubts) else 0.0)
         error = expected_error(drawn(row), answered(0.8 * truth))
-        told.append(error.expected)
+        statements.append(error.expected)
         held += error.low <= -0.2 <= error.high
         assert error.warns
-    assert np.median(told) == pytest.approx(-0.2, abs=0.02)
-    assert np.count_nonzero(np.abs(np.array(told) + 0.2) <= 0.05) >= 42
+    assert np.median(statements) == pytest.approx(-0.2, abs=0.02)
+    assert np.count_nonzero(np.abs(np.array(statements) + 0.2) <= 0.05) >= 42
     assert held >= 40
 
 

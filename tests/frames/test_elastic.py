@@ -23,9 +23,9 @@ def upright(base: str, head: str = "free", lean: tuple[float, float] = (0.0, 1.0
 
 def stiffness(frame: Frame) -> tuple[float, float]:
     """EI and EA."""
-    own = frame.properties(frame.members[0])
+    properties = frame.properties(frame.members[0])
     modulus = frame.steel.elastic_modulus
-    return modulus * own.second_moment, modulus * own.area
+    return modulus * properties.second_moment, modulus * properties.area
 
 
 @pytest.mark.parametrize("lean", [(0.0, 1.0), (0.6, 0.8)])

@@ -35,8 +35,8 @@ def test_the_end_of_a_clamped_beam_hogs(end: str, sagging: float, hogging: float
         turned = Member("b", "right", "mid", SECTION, joint_start="weak")
         weak = {"plastic_moment": hogging * plastic, "plastic_moment_negative": sagging * plastic}
         frame = Frame(frame.nodes, (frame.members[0], turned), joints=(Joint("weak", **weak),))
-    found = collapse_factor(frame, [Load("mid", y=-1.0)])
-    assert found == pytest.approx(2.0 * (3.0 + hogging) * plastic / LENGTH, rel=1e-6)
+    factor = collapse_factor(frame, [Load("mid", y=-1.0)])
+    assert factor == pytest.approx(2.0 * (3.0 + hogging) * plastic / LENGTH, rel=1e-6)
 
 
 def test_compression_softens_the_mechanism_of_an_upright() -> None:
@@ -44,12 +44,14 @@ def test_compression_softens_the_mechanism_of_an_upright() -> None:
     frame = Frame(nodes, (Member("m", "base", "head", SECTION),))
     helped = collapse_factor(frame, [Load("head", x=1.0, moment=2.0)])  # turns against the push
     assert helped == pytest.approx(frame.properties("m").plastic_moment / (LENGTH - 2.0), rel=1e-6)
-    found = collapse_mechanism(frame, [Load("head", x=1.0)])
-    assert found is not None
-    assert found.factor == pytest.approx(frame.properties("m").plastic_moment / LENGTH, rel=1e-6)
-    assert np.abs(found.turns(frame)) == pytest.approx([1.0 / LENGTH])
-    assert found.softening(frame, [-5e4]) == pytest.approx(5e4 / LENGTH)
-    assert found.softening(frame, [5e4]) == pytest.approx(-5e4 / LENGTH)
+    mechanism = collapse_mechanism(frame, [Load("head", x=1.0)])
+    assert mechanism is not None
+    assert mechanism.factor == pytest.approx(
+        frame.properties("m").plastic_moment / LENGTH, rel=1e-6
+    )
+    assert np.abs(mechanism.turns(frame)) == pytest.approx([1.0 / LENGTH])
+    assert mechanism.softening(frame, [-5e4]) == pytest.approx(5e4 / LENGTH)
+    assert mechanism.softening(frame, [5e4]) == pytest.approx(-5e4 / LENGTH)
 
 
 @pytest.mark.parametrize(("support", "moments"), [("pinned", 4.0), ("clamped", 8.0)])
@@ -57,8 +59,8 @@ def test_a_line_load_needs_its_reactions(support: str, moments: float) -> None:
     """q L / 2 of the mechanism q = 8 M / L^2 of a beam, clamped 16 M / L^2."""
     frame = beam(support)
     pulse = FramePulse("line", frame, Pulse("ramp", 1.0, 1.0), "mid", "-y", members=("a", "b"))
-    own = frame.properties("a")
-    expected = moments * own.plastic_moment / LENGTH / own.shear_resistance
+    properties = frame.properties("a")
+    expected = moments * properties.plastic_moment / LENGTH / properties.shear_resistance
     assert shear_demand(pulse) == pytest.approx({"a": expected, "b": expected})
 
 

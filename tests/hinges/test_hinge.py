@@ -106,10 +106,10 @@ def test_projection_is_the_minimiser_found_by_brute_force(case) -> None:
 
     # the objective is convex in n; the search also sees both ends
     best = minimize_scalar(objective, bounds=(0.0, 1.0), method="bounded", options={"xatol": 1e-12})
-    found = min(best.fun, objective(0.0), objective(1.0))
+    result = min(best.fun, objective(0.0), objective(1.0))
     mine = 0.5 * np.sum((update.forces - trial) ** 2 / stiffness)
     scale = 0.5 * np.sum(trial**2 / stiffness)
-    assert mine <= found + 1e-12 * scale
+    assert mine <= result + 1e-12 * scale
 
 
 @examples(200)

@@ -52,11 +52,11 @@ def strengths(surface: ShearSurface) -> np.ndarray:
 
 def used(surface: ShearSurface, forces: np.ndarray) -> np.ndarray:
     """How far the worse end is outside (...,), over the plastic moment; negative inside."""
-    own = surface.record
-    share = np.abs(forces[..., 1]) / own["shear"]
+    record = surface.record
+    share = np.abs(forces[..., 1]) / record["shear"]
     left = np.sqrt(1.0 - np.minimum(share, 1.0) ** 2)
-    top = own["flange_axial"] + left * own["web_axial"]
-    N, V = np.minimum(np.abs(forces[..., 0]), top), np.minimum(share, 1.0) * own["shear"]
+    top = record["flange_axial"] + left * record["web_axial"]
+    N, V = np.minimum(np.abs(forces[..., 0]), top), np.minimum(share, 1.0) * record["shear"]
     over = (np.abs(forces[..., 0]) - N) / surface.squash_load + np.maximum(share - 1.0, 0.0)
     moment = np.max(np.abs(forces[..., 2:]), axis=-1)
     return over + (moment - surface.moment_capacity(N, V)) / strengths(surface)[2]
@@ -68,10 +68,10 @@ def project_panel(surface: ShearSurface, stiffness, trial) -> tuple[np.ndarray, 
     `stiffness` (4,) against elongation, sliding displacement and rotations (0: a pin); `trial`
     forces (4,). The tangent is the derivative of the forces by those deformations.
     """
-    k, own = np.asarray(stiffness, float), surface.record
+    k, record = np.asarray(stiffness, float), surface.record
     soft = np.divide(1.0, k, out=np.zeros(4), where=k > 0.0)
     panel = panel_kernels.Panel(
-        np.array([soft[0], soft[2], 0.0, soft[3]]), k[2:] == 0.0, own["stiffness"] / k[1], own
+        np.array([soft[0], soft[2], 0.0, soft[3]]), k[2:] == 0.0, record["stiffness"] / k[1], record
     )
     forces, tangent = np.zeros(4), np.zeros((4, 4))
     panel_kernels.project_panel(panel, np.asarray(trial, float) * soft, forces, tangent)
@@ -81,8 +81,8 @@ def project_panel(surface: ShearSurface, stiffness, trial) -> tuple[np.ndarray, 
 def inside(surface: ShearSurface, rng: np.random.Generator, count: int) -> np.ndarray:
     """Random admissible forces (count, 4), many at the yield surface."""
     V = np.sin(rng.uniform(-0.5, 0.5, count) * np.pi) * surface.shear_resistance
-    own = surface.record
-    top = own["flange_axial"] + np.sqrt(1 - (V / own["shear"]) ** 2) * own["web_axial"]
+    record = surface.record
+    top = record["flange_axial"] + np.sqrt(1 - (V / record["shear"]) ** 2) * record["web_axial"]
     N = rng.uniform(-1.0, 1.0, count) * top * (1.0 - 1e-12)
     M = np.clip(rng.uniform(-1.5, 1.5, (count, 2)), -1, 1) * surface.moment_capacity(N, V)[:, None]
     return np.column_stack([N, V, M])
@@ -96,8 +96,13 @@ def test_golden_projections(trial, expected) -> None:
 
 
 def test_strength_of_heb_220() -> None:
-    own = HEB.record
-    plates = own["web_axial"], own["web_moment"], own["flange_axial"], own["flange_moment"]
+    record = HEB.record
+    plates = (
+        record["web_axial"],
+        record["web_moment"],
+        record["flange_axial"],
+        record["flange_moment"],
+    )
     assert plates == pytest.approx((634030.0, 29799.41, 2499200.0, 254918.4), rel=1e-12)
     assert HEB.shear_resistance == pytest.approx(366057.4, rel=1e-6)
     centre = ShearSurface(HEB.section, Steel(), "centre")
@@ -138,9 +143,9 @@ def test_root_fillets_belong_to_the_flanges(name: str) -> None:
 def test_plates_are_what_they_are_without_fillets() -> None:
     for section in (HEB.section, rectangular_tube(0.2, 0.3, 0.01), i_section(0.3, 0.2, 0.01, 0.02)):
         assert section.flange_plates == (section.width, section.shape.plates[1])
-    own = HEB.section.shape.dimensions
+    reference_case = HEB.section.shape.dimensions
     nearly, none = (
-        ShearSurface(i_section(**own, fillet=1e-4)).record,
+        ShearSurface(i_section(**reference_case, fillet=1e-4)).record,
         ShearSurface(HEB.section).record,
     )
     for name in none.dtype.names:
@@ -148,10 +153,12 @@ def test_plates_are_what_they_are_without_fillets() -> None:
 
 
 def test_full_shear_leaves_the_flanges() -> None:
-    own = HEB.record
-    assert float(HEB.moment_capacity(0.0, own["shear"])) == pytest.approx(own["flange_moment"])
-    assert np.isnan(HEB.moment_capacity(0.0, 1.001 * own["shear"]))
-    assert np.isnan(HEB.moment_capacity(own["flange_axial"] * 1.001, own["shear"]))
+    record = HEB.record
+    assert float(HEB.moment_capacity(0.0, record["shear"])) == pytest.approx(
+        record["flange_moment"]
+    )
+    assert np.isnan(HEB.moment_capacity(0.0, 1.001 * record["shear"]))
+    assert np.isnan(HEB.moment_capacity(record["flange_axial"] * 1.001, record["shear"]))
 
 
 @given(name=names, seed=st.integers(0, 10_000))
@@ -193,9 +200,9 @@ def test_tangent_against_differences(trial) -> None:
     start = np.array(trial[:4]) * 10.0 ** trial[4] * strengths(HEB)
     _, tangent = project_panel(HEB, STIFFNESS, start)
     step = 1e-6 * np.maximum(np.abs(start), strengths(HEB))
-    found = differences(lambda t: project_panel(HEB, STIFFNESS, t)[0], start, step)
+    result = differences(lambda t: project_panel(HEB, STIFFNESS, t)[0], start, step)
     scale = np.sqrt(np.outer(STIFFNESS, STIFFNESS))
-    error = np.abs(found * STIFFNESS - tangent) / scale
+    error = np.abs(result * STIFFNESS - tangent) / scale
     np.testing.assert_allclose(tangent, tangent.T, atol=1e-9 * scale.max())
     if used(HEB, start) < -1e-5 or used(HEB, start) > 1e-5:  # differences do not step over a kink
         assert np.median(error) < 1e-6
@@ -221,16 +228,16 @@ def test_tangents_at_the_edges_of_the_domain_are_derivatives(name: str, case: st
     start = np.array(STRONG[case]) * strengths(surface)
     _, tangent = project_panel(surface, STIFFNESS, start)
     step = 1e-6 * strengths(surface)
-    found = differences(lambda t: project_panel(surface, STIFFNESS, t)[0], start, step)
+    result = differences(lambda t: project_panel(surface, STIFFNESS, t)[0], start, step)
     scale = np.sqrt(np.outer(STIFFNESS, STIFFNESS))
-    np.testing.assert_allclose(found * STIFFNESS / scale, tangent / scale, atol=5e-5)
+    np.testing.assert_allclose(result * STIFFNESS / scale, tangent / scale, atol=5e-5)
 
 
 @pytest.mark.parametrize("name", SURFACES)
 def test_ends_are_used_up_where_the_domain_ends(name: str) -> None:
     surface = SURFACES[name]
-    own, (N, V, M, _) = surface.record, strengths(surface)
-    sheared = 0.8 * own["web_axial"] + own["flange_axial"]  # beside V = 0.6 V_pl
+    record, (N, V, M, _) = surface.record, strengths(surface)
+    sheared = 0.8 * record["web_axial"] + record["flange_axial"]  # beside V = 0.6 V_pl
     bent = float(surface.moment_capacity(0.4 * N, 0.6 * V))
     short = 1e-3  # m: shear force hardly bends it
     arm = short * V
@@ -248,7 +255,7 @@ def test_ends_are_used_up_where_the_domain_ends(name: str) -> None:
     for forces, expected in cases.items():
         used = np.empty((1, 2))
         length = 1e3 if forces[1] == 0.5 * M else short
-        panel_kernels.utilisation(own, length, np.array([forces]), used)
+        panel_kernels.utilisation(record, length, np.array([forces]), used)
         np.testing.assert_allclose(used[0], expected, rtol=0.02, err_msg=str(forces))
 
 
@@ -324,8 +331,8 @@ def test_tangent_of_elements_against_differences() -> None:
         for _ in range(120):
             e = rng.uniform(-1, 1, 3) * [1.3e-3, 4e-3, 4e-3] * 10 ** rng.uniform(-1.0, 0.7)
             forces, tangent, _, branch = solve(e)
-            found = differences(lambda x, f=forces, s=solve: s(x, f)[0], e, np.full(3, 1e-8))
-            errors.append(np.max(np.abs(found - tangent) / scale))
+            result = differences(lambda x, f=forces, s=solve: s(x, f)[0], e, np.full(3, 1e-8))
+            errors.append(np.max(np.abs(result - tangent) / scale))
             branches.add(branch)
             assert np.linalg.eigvalsh(tangent / scale).min() >= -1e-9
     assert branches >= {panel_elements.ELASTIC, panel_elements.CURVE}
@@ -378,20 +385,20 @@ def test_a_solid_rectangle_has_the_exact_set_of_one_shear_rate(middle, shear) ->
 
 
 def test_derivatives_of_the_capacity_of_a_rectangle() -> None:
-    own = SURFACES["square"].record
+    record = SURFACES["square"].record
     rng, h = np.random.default_rng(0), 1e-5
 
     def capacity(n: float, rho: float) -> np.ndarray:
-        return np.array(panel_kernels.moment_capacity(own, n * float(own["web_axial"]), rho))
+        return np.array(panel_kernels.moment_capacity(record, n * float(record["web_axial"]), rho))
 
     for _ in range(40):
         rho = rng.uniform(0.05, 1.0 - h)
         n = rng.uniform(h, 0.95) * rho
-        by_n = (capacity(n + h, rho) - capacity(n - h, rho)) / (2 * h * float(own["web_axial"]))
+        by_n = (capacity(n + h, rho) - capacity(n - h, rho)) / (2 * h * float(record["web_axial"]))
         by_rho = (capacity(n, rho + h) - capacity(n, rho - h)) / (2 * h)
         _, CN, Cr, CNN, CNr, Crr = capacity(n, rho)
-        found = [by_n[0], by_rho[0], by_n[1], by_rho[1], by_rho[2]]
-        np.testing.assert_allclose(found, [CN, Cr, CNN, CNr, Crr], rtol=5e-6)
+        values = [by_n[0], by_rho[0], by_n[1], by_rho[1], by_rho[2]]
+        np.testing.assert_allclose(values, [CN, Cr, CNN, CNr, Crr], rtol=5e-6)
 
 
 def test_slenderness_of_one_web() -> None:

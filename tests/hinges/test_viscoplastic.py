@@ -210,8 +210,13 @@ def test_plastic_work_is_never_negative_and_the_step_is_a_minimum(case) -> None:
     flowed = bar.length * scale[0] / scale * np.array(G)
     largest = np.abs(e[free]) + scale[free] * np.diag(bar.matrix)[free]
     assert (plastic - flowed[free]) / largest == pytest.approx(0.0, abs=1e-9)
-    own = tangent[np.ix_(free, free)]
-    assert (np.linalg.eigvalsh(own / np.sqrt(np.outer(np.diag(own), np.diag(own)))) > 0.0).all()
+    reference_case = tangent[np.ix_(free, free)]
+    assert (
+        np.linalg.eigvalsh(
+            reference_case / np.sqrt(np.outer(np.diag(reference_case), np.diag(reference_case)))
+        )
+        > 0.0
+    ).all()
 
 
 @given(bars())

@@ -76,9 +76,9 @@ def test_single_dof(thesis_impact, integrator: str, stepper, restitution: float)
     system = SpringColumn(column, striker.mass)
     first = collide(system.mass[0, 0], striker.mass, striker.velocity, restitution)
     start = np.zeros(2), np.array([first.struck_velocity, first.striker_velocity])
-    found = run(stepper, system, Restitution(restitution), start, h * steps, h)
-    np.testing.assert_allclose(found.q[1:, 0], answer["displacement"].values[1:], **CLOSE)
-    np.testing.assert_allclose(found.v[1:, 1], answer["striker_velocity"].values[1:], rtol=1e-9)
+    result = run(stepper, system, Restitution(restitution), start, h * steps, h)
+    np.testing.assert_allclose(result.q[1:, 0], answer["displacement"].values[1:], **CLOSE)
+    np.testing.assert_allclose(result.v[1:, 1], answer["striker_velocity"].values[1:], rtol=1e-9)
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.3, 0.6])
@@ -98,12 +98,12 @@ def test_four_dof(thesis_impact, integrator: str, stepper, restitution: float) -
     answer = FourDof(integrator=integrator, time_step=h).simulate(scenario)
     system = ColumnSystem(column, striker.mass)
     start = system.start, np.array([0.0, 0.0, 0.0, striker.velocity])
-    found = run(stepper, system, Restitution(restitution), start, h * steps, h)
-    np.testing.assert_allclose(found.q[:, 0], answer["displacement"].values, **CLOSE)
-    np.testing.assert_allclose(found.v[1:, 3], answer["striker_velocity"].values[1:], **CLOSE)
+    result = run(stepper, system, Restitution(restitution), start, h * steps, h)
+    np.testing.assert_allclose(result.q[:, 0], answer["displacement"].values, **CLOSE)
+    np.testing.assert_allclose(result.v[1:, 3], answer["striker_velocity"].values[1:], **CLOSE)
     if integrator == "midpoint":
-        total = found.energies.sum(axis=1) + np.append(0.0, np.cumsum(found.contact_loss))
-        assert np.ptp(total) < 1e-9 * found.energies[0, 0]
+        total = result.energies.sum(axis=1) + np.append(0.0, np.cumsum(result.contact_loss))
+        assert np.ptp(total) < 1e-9 * result.energies[0, 0]
 
 
 def struck_beam() -> tuple[PlanarAssembly, int]:
@@ -143,17 +143,17 @@ def test_structures(integrator: str, stepper, restitution: float) -> None:
     system = StructureSystem(assembly, dof, mass)
     rest = np.zeros(len(system.start))
     rest[-1] = speed
-    found = run(stepper, system, Restitution(restitution), (system.start, rest), h * steps, h)
+    result = run(stepper, system, Restitution(restitution), (system.start, rest), h * steps, h)
     place = int(np.flatnonzero(system.free == dof)[0])
-    np.testing.assert_allclose(found.q[1:, place], [q for q, _ in expected], **CLOSE)
-    np.testing.assert_allclose(found.v[1:, -1], [v for _, v in expected], rtol=1e-8)
+    np.testing.assert_allclose(result.q[1:, place], [q for q, _ in expected], **CLOSE)
+    np.testing.assert_allclose(result.v[1:, -1], [v for _, v in expected], rtol=1e-8)
 
 
 def test_classical_contact_makes_the_striker_bounce_on_the_column() -> None:
     given = column_problem()
-    found = {
+    values = {
         name: run(scheme(name).stepper, given.system(), given.law, given.start, 0.01, 1e-4)
         for name in ("moreau-jean", "newmark")
     }
-    assert found["moreau-jean"].impacts == given.impacts
-    assert found["moreau-jean"].chatter < 0.3 < 0.8 < found["newmark"].chatter
+    assert values["moreau-jean"].impacts == given.impacts
+    assert values["moreau-jean"].chatter < 0.3 < 0.8 < values["newmark"].chatter

@@ -71,8 +71,10 @@ def free_duffing() -> float:
 def test_the_order_of_smooth_motion(name: str, free_duffing: float) -> None:
     errors = []
     for steps in (40, 80, 160, 320, 640)[: 5 if SCHEMES[name].order < 4 else 4]:
-        found = run(scheme(name).stepper, duffing_spring(), ELASTIC, ([1.0], [0.0]), 3.0, 3 / steps)
-        errors.append(abs(float(found.q[-1, 0]) - free_duffing))
+        result = run(
+            scheme(name).stepper, duffing_spring(), ELASTIC, ([1.0], [0.0]), 3.0, 3 / steps
+        )
+        errors.append(abs(float(result.q[-1, 0]) - free_duffing))
     assert slope(errors) == pytest.approx(SCHEMES[name].order, abs=0.1)
 
 
@@ -80,14 +82,14 @@ def impact_errors(name: str, phases: int = 2) -> list[float]:
     """Errors after one elastic impact, in the mean over where it falls in a step."""
     out = []
     for steps in (20, 40, 80, 160, 320)[: 5 if SCHEMES[name].order < 4 else 4]:
-        h, found = 1.2 / steps, []
+        h, result = 1.2 / steps, []
         for phase in range(phases):
             distance = np.sin(h * (asin(0.6) // h + (phase + 0.5) / phases))
             given = oscillator(float(distance))
             end = run(scheme(name).stepper, given.system(), given.law, given.start, 1.2, h).q[-1]
             assert given.exact is not None
-            found.append(float(end[0] - given.exact(np.array([1.2]))[0, 0]))
-        out.append(float(np.sqrt(np.mean(np.square(found)))))
+            result.append(float(end[0] - given.exact(np.array([1.2]))[0, 0]))
+        out.append(float(np.sqrt(np.mean(np.square(result)))))
     return out
 
 
@@ -119,9 +121,9 @@ def test_a_penalty_keeps_the_energy_of_a_bar_and_velocities_to_first_order() -> 
     for name, ladder in (("newmark-penalty", (100, 400)), ("newmark-rates", (400, 800, 1600))):
         for steps in ladder:
             stepper, h = scheme(name).stepper, 3.5 / steps
-            found = run(stepper, given.system(), ELASTIC, given.start, 3.5, h)
-            assert found.gaps[-1, 0] > 0.0  # it has left
-            drifts.setdefault(name, []).append(found.drift)
+            result = run(stepper, given.system(), ELASTIC, given.start, 3.5, h)
+            assert result.gaps[-1, 0] > 0.0  # it has left
+            drifts.setdefault(name, []).append(result.drift)
     assert max(drifts["newmark-penalty"]) < 1e-13
     assert drifts["newmark-rates"][0] < 0.011  # measured 0.0103
     assert slope(drifts["newmark-rates"]) == pytest.approx(1.0, abs=0.1)
@@ -132,12 +134,12 @@ def test_studers_contact_oscillates_at_rest_and_acarys_does_not(name, forces) ->
     """A body on the floor: it falls g h^2 / 2 in every other step, and is caught with 2 m g."""
     g, h = 9.81, 0.1
     body = springs([2.0], contacts=[{0: 1.0}], gaps=[0.0], load=[-2.0 * g])
-    found = run(scheme(name).stepper, body, Restitution(0.0), ([0.0], [0.0]), 2.0, h)
-    weights = found.impulses[2:, 0] / (2.0 * g * h)
+    result = run(scheme(name).stepper, body, Restitution(0.0), ([0.0], [0.0]), 2.0, h)
+    weights = result.impulses[2:, 0] / (2.0 * g * h)
     np.testing.assert_allclose(weights, np.tile(forces, 10)[: weights.size], atol=1e-9)
     fall = 0.5 * g * h * h if name == "ggl-studer" else 0.0
-    assert found.q.min() == pytest.approx(-fall, abs=1e-12)
-    assert (found.chatter > 0.8) == (name == "ggl-studer")
+    assert result.q.min() == pytest.approx(-fall, abs=1e-12)
+    assert (result.chatter > 0.8) == (name == "ggl-studer")
 
 
 @pytest.mark.parametrize("name", CLASSICAL)
@@ -164,18 +166,18 @@ def test_energy_is_kept_where_that_is_declared(name: str) -> None:
     assert (drift < 1e-12) == keeps
     if ENERGY in declared:
         stopped = duffing_spring(0.5)
-        found = run(scheme(name).stepper, stopped, ELASTIC, ([1.0], [0.0]), 60.0, 0.02)
-        assert found.impacts > 10
-        assert found.drift < 1e-12
+        result = run(scheme(name).stepper, stopped, ELASTIC, ([1.0], [0.0]), 60.0, 0.02)
+        assert result.impacts > 10
+        assert result.drift < 1e-12
 
 
 @pytest.mark.slow
 def test_ten_thousand_elastic_steps_keep_their_energy() -> None:
     stepper = scheme("midpoint").stepper
-    found = run(stepper, duffing_spring(0.5), ELASTIC, ([1.0], [0.0]), 1e2, 1e-2)
-    assert len(found.t) == 10_001
-    assert found.impacts > 30
-    assert found.drift < 1e-10
+    result = run(stepper, duffing_spring(0.5), ELASTIC, ([1.0], [0.0]), 1e2, 1e-2)
+    assert len(result.t) == 10_001
+    assert result.impacts > 30
+    assert result.drift < 1e-10
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -185,11 +187,11 @@ def test_penetration_stays_within_its_bound(name: str, e: float) -> None:
     worst = 0.0
     for height in np.linspace(0.28, 0.32, 7):
         ball = springs([1.0], contacts=[{0: 1.0}], gaps=[0.0], load=[-9.81])
-        found = run(scheme(name).stepper, ball, Restitution(e), ([height], [0.0]), 0.6, 0.02)
-        bound = a * 0.02 * -found.rates.min() + b * 0.02**2 * 9.81
-        assert found.conditions.penetration <= bound + 1e-10
-        assert found.conditions.pull <= 1e-12
-        worst = max(worst, found.conditions.penetration / max(bound, 1e-300))
+        result = run(scheme(name).stepper, ball, Restitution(e), ([height], [0.0]), 0.6, 0.02)
+        bound = a * 0.02 * -result.rates.min() + b * 0.02**2 * 9.81
+        assert result.conditions.penetration <= bound + 1e-10
+        assert result.conditions.pull <= 1e-12
+        worst = max(worst, result.conditions.penetration / max(bound, 1e-300))
     assert worst > 0.1 or a == 0.0  # the bound is no idle one
 
 
@@ -202,9 +204,9 @@ def test_gap_closing_leaves_no_penetration_whatever_the_masses_and_open_gaps(nam
             load = [-9.81 * m for m in masses]
             system = springs(masses, [], sides, [0.0, 0.0, 3.0], load)
             start = [0.3 + 0.1 * k, 1.0 + 0.14 * k], [2.0, -4.0]
-            found = run(scheme(name).stepper, system, Restitution(0.3), start, 1.0, 0.005)
-            assert found.impacts > 3
-            assert found.conditions.penetration < 1e-12
+            result = run(scheme(name).stepper, system, Restitution(0.3), start, 1.0, 0.005)
+            assert result.impacts > 3
+            assert result.conditions.penetration < 1e-12
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -214,10 +216,10 @@ def test_the_limit_of_stability(name: str) -> None:
     def grows(h: float) -> bool:
         spring = springs([1.0], [({0: 1.0}, (1.0,), 0.0)])
         try:
-            found = run(scheme(name).stepper, spring, ELASTIC, ([1.0], [0.1]), 300.0 * h, h)
+            result = run(scheme(name).stepper, spring, ELASTIC, ([1.0], [0.1]), 300.0 * h, h)
         except SolverError:
             return True
-        return bool(np.abs(found.q[-30:]).max() > 100.0)
+        return bool(np.abs(result.q[-30:]).max() > 100.0)
 
     if limit == inf:
         assert not grows(30.0)
@@ -230,48 +232,48 @@ def test_newmark_puts_the_derived_energy_into_an_impact() -> None:
     factors = []
     for s in (np.arange(100) + 0.5) / 100:  # where in its step a free body arrives
         ball = springs([1.0], contacts=[{0: 1.0}], gaps=[0.0])
-        found = run(scheme("newmark").stepper, ball, ELASTIC, ([2.0 + s], [-1.0]), 8.0, 1.0)
-        factors.append(float(found.v[-1, 0]) ** 2)
+        result = run(scheme("newmark").stepper, ball, ELASTIC, ([2.0 + s], [-1.0]), 8.0, 1.0)
+        factors.append(float(result.v[-1, 0]) ** 2)
         expected = 3.0 - 4.0 * s if s < 2.0 / 3.0 else 8.0 * s - 5.0
-        assert found.v[-1, 0] == pytest.approx(expected, abs=1e-9)
+        assert result.v[-1, 0] == pytest.approx(expected, abs=1e-9)
     assert np.mean(factors) == pytest.approx(91.0 / 27.0, rel=1e-3)
 
 
 @pytest.mark.parametrize("name", CONVERGENT)
 @pytest.mark.parametrize("of", ["ball", "cradle", "oscillator"])
 def test_the_conditions_of_contact_hold_at_every_step(name: str, of: str) -> None:
-    found = follow(name, of, 60)
-    assert found.conditions.pull <= 1e-12
-    assert found.conditions.complementarity <= 1e-9
+    result = follow(name, of, 60)
+    assert result.conditions.pull <= 1e-12
+    assert result.conditions.complementarity <= 1e-9
     # laws between velocities of middles; a force that is there for the next step too
     if name not in ("central-differences", "newmark-rates"):
-        assert found.conditions.created <= 1e-12 * found.energies.max()
+        assert result.conditions.created <= 1e-12 * result.energies.max()
 
 
 @pytest.mark.parametrize("name", [n for n in LAWFUL if n != "event-driven"])
 def test_time_stepping_goes_through_the_accumulation_of_impacts(name: str) -> None:
-    found, exact = follow(name, "ball", 400), problem("ball").answer(np.linspace(0.0, 1.0, 401))
-    assert np.abs(found.q - exact).max() < 2e-2
-    np.testing.assert_allclose(found.v[-20:], 0.0, atol=0.06)
+    result, exact = follow(name, "ball", 400), problem("ball").answer(np.linspace(0.0, 1.0, 401))
+    assert np.abs(result.q - exact).max() < 2e-2
+    np.testing.assert_allclose(result.v[-20:], 0.0, atol=0.06)
 
 
 def test_event_driven_steps_pass_the_accumulation_exactly() -> None:
     for of in ("ball", "ball-lively"):
-        found = follow("event-driven", of, 40)
+        result = follow("event-driven", of, 40)
         np.testing.assert_allclose(
-            found.q, problem(of).answer(np.linspace(0.0, 1.0, 41)), atol=1e-11
+            result.q, problem(of).answer(np.linspace(0.0, 1.0, 41)), atol=1e-11
         )
 
 
 def test_a_second_of_the_ball_is_right() -> None:
     given = problem("ball")
     stepper = scheme("moreau-midpoint").stepper
-    found = run(stepper, given.system(), given.law, given.start, 1.0, 1e-4)
-    assert np.abs(found.q - given.answer(found.t)).max() < 5e-4  # measured 1.8e-4
+    result = run(stepper, given.system(), given.law, given.start, 1.0, 1e-4)
+    assert np.abs(result.q - given.answer(result.t)).max() < 5e-4  # measured 1.8e-4
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"h": 0.0}, "problem.time_step = 0.0: must be a number above 0"),
         ({"h": 1e-12}, "at most 20000000"),
@@ -286,10 +288,10 @@ def test_a_second_of_the_ball_is_right() -> None:
         ({"start": ([-1.0], [0.0])}, "no gap below 0 m, contact 0 has -1 m; move the bodies"),
     ],
 )
-def test_bad_runs_get_one_clear_message(change: dict, said: str) -> None:
+def test_bad_runs_get_one_clear_message(change: dict, message: str) -> None:
     ball = springs([1.0], contacts=[{0: 1.0}], gaps=[0.0])
     given = {"law": ELASTIC, "start": ([1.0], [0.0]), "duration": 1.0, "h": 0.1, **change}
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         run(event_driven(), ball, **given)
 
 
@@ -297,7 +299,7 @@ NAN = float("nan")
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"masses": [1.0, -1.0]}, "problem.masses.1 = -1.0: must be a number above 0"),
         ({"masses": ["a"]}, "problem.masses.0 = 'a'.*without quotes"),
@@ -318,13 +320,13 @@ NAN = float("nan")
         ({"swing": (1.0, 2.0, 3.0)}, "problem.swing = .*amplitude and circular frequency"),
     ],
 )
-def test_bad_systems_get_one_clear_message(change: dict, said: str) -> None:
-    with pytest.raises(InputError, match=said):
+def test_bad_systems_get_one_clear_message(change: dict, message: str) -> None:
+    with pytest.raises(InputError, match=message):
         springs(**{"masses": [1.0], **change})
 
 
 @pytest.mark.parametrize(
-    ("make", "said"),
+    ("make", "message"),
     [
         (lambda: moreau_jean(0.2), "moreau-jean.theta = 0.2: must be a number from 0.5 to 1"),
         (lambda: moreau_jean(0.0), "moreau-jean.theta = 0.0"),
@@ -337,8 +339,8 @@ def test_bad_systems_get_one_clear_message(change: dict, said: str) -> None:
         (lambda: gear_gupta_leimkuhler(NAN), "ggl.reach = nan"),
     ],
 )
-def test_bad_parameters_of_schemes_get_one_clear_message(make, said: str) -> None:
-    with pytest.raises(InputError, match=said):
+def test_bad_parameters_of_schemes_get_one_clear_message(make, message: str) -> None:
+    with pytest.raises(InputError, match=message):
         make()
 
 

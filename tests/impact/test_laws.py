@@ -18,9 +18,9 @@ NORMALS = np.array([[-1.0, 0.0], [1.0, -1.0], [0.0, 1.0]])
 def impulses(law: str, e: tuple[float, ...], G: np.ndarray, before: np.ndarray) -> np.ndarray:
     """Of a simultaneous impact."""
     each = Restitution(e, law).each(before.size)
-    found, residual = percussions(G, before, before, each, law == "poisson")
+    result, residual = percussions(G, before, before, each, law == "poisson")
     assert residual < 1e-12
-    return found
+    return result
 
 
 @pytest.mark.parametrize("law", ["newton", "poisson"])
@@ -29,23 +29,23 @@ def test_one_contact_is_the_collision_of_two_masses(law: str, e: float) -> None:
     expected = collide(100.0, 1500.0, 20.0, e)
     G = np.array([[1.0 / 100.0 + 1.0 / 1500.0]])
     start = np.array([-20.0])
-    found = impulses(law, e, G, start)
-    assert found[0] == pytest.approx(expected.percussion, rel=1e-13)
-    assert (start + G @ found)[0] == pytest.approx(20.0 * e, abs=1e-12)
+    result = impulses(law, e, G, start)
+    assert result[0] == pytest.approx(expected.percussion, rel=1e-13)
+    assert (start + G @ result)[0] == pytest.approx(20.0 * e, abs=1e-12)
 
 
 def test_a_closed_contact_that_separates_reverses_elastically() -> None:
     """Pressed together while it opens: any less restitution would create energy."""
     start, free = np.array([1.0]), np.array([-2.0])
-    found, _ = percussions(np.eye(1), free, start, np.array([0.2]), False)
-    assert (free + found)[0] == pytest.approx(-1.0)
+    result, _ = percussions(np.eye(1), free, start, np.array([0.2]), False)
+    assert (free + result)[0] == pytest.approx(-1.0)
 
 
 def cradle(law: str, first: float, second: float) -> np.ndarray:
     """Velocities of three touching balls after the first arrives at 1 m/s."""
     before = np.array([-1.0, 0.0])
-    found = impulses(law, (first, second), CRADLE, before)
-    return np.array([1.0, 0.0, 0.0]) + NORMALS @ found
+    result = impulses(law, (first, second), CRADLE, before)
+    return np.array([1.0, 0.0, 0.0]) + NORMALS @ result
 
 
 @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
@@ -73,7 +73,7 @@ def test_newton_and_poisson_differ_on_a_cradle_of_two_coefficients() -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "said"),
+    ("make", "message"),
     [
         (lambda: Restitution(1.1), r"restitution.coefficients.*from 0 to 1"),
         (lambda: Restitution((0.5, -0.1)), r"restitution.coefficients.1 = -0.1"),
@@ -82,6 +82,6 @@ def test_newton_and_poisson_differ_on_a_cradle_of_two_coefficients() -> None:
         (lambda: Penalty(0.0), "penalty.stiffness"),
     ],
 )
-def test_bad_laws_get_one_clear_message(make, said: str) -> None:
-    with pytest.raises(InputError, match=said):
+def test_bad_laws_get_one_clear_message(make, message: str) -> None:
+    with pytest.raises(InputError, match=message):
         make()

@@ -24,15 +24,15 @@ def by_events(slope, start, duration, gap, impact, times) -> np.ndarray:
         return gap(y)
 
     event.terminal, event.direction = True, -1
-    found, begin, y = np.zeros((times.size, len(start) // 2)), 0.0, np.asarray(start, dtype=float)
+    result, begin, y = np.zeros((times.size, len(start) // 2)), 0.0, np.asarray(start, dtype=float)
     while begin < duration:
         part = solve_ivp(slope, (begin, duration), y, events=event, **TIGHT)
         on = (times >= begin) & (times <= part.t[-1])
-        found[on] = part.sol(times[on])[: len(start) // 2].T
+        result[on] = part.sol(times[on])[: len(start) // 2].T
         if part.status != 1:
-            return found
+            return result
         begin, y = part.t[-1], impact(part.y[:, -1])
-    return found
+    return result
 
 
 @pytest.mark.parametrize("law", [(3.0, 7.0), Penalty(3.0), (5.0, 0.0, 100.0)])
@@ -52,13 +52,13 @@ def test_forces_of_springs_are_slopes_of_their_energy(law) -> None:
 
 def test_the_ball_by_events() -> None:
     times = np.linspace(0.0, 0.72, 200)  # five impacts, before they accumulate
-    found = by_events(
+    result = by_events(
         lambda _, y: (y[1], -9.81),
         *((0.3, 0.0), 0.72, lambda y: y[0]),
         lambda y: np.array([0.0, -0.5 * y[1]]),
         times,
     )
-    np.testing.assert_allclose(found, problem("ball").answer(times), atol=1e-9)
+    np.testing.assert_allclose(result, problem("ball").answer(times), atol=1e-9)
 
 
 def test_two_masses_by_events() -> None:
@@ -67,39 +67,39 @@ def test_two_masses_by_events() -> None:
         return np.array([y[0], y[1], y[2] - blow / 1500.0, y[3] + blow / 100.0])
 
     times = np.linspace(0.0, 0.02, 100)
-    found = by_events(
+    result = by_events(
         lambda _, y: (y[2], y[3], 0.0, 0.0),
         *((0.0, 0.0, 20.0, 0.0), 0.02, lambda y: y[1] - y[0] + 0.1),
         *(impact, times),
     )
-    np.testing.assert_allclose(found, problem("two-masses").answer(times), atol=1e-11)
+    np.testing.assert_allclose(result, problem("two-masses").answer(times), atol=1e-11)
 
 
 def test_the_stopped_duffing_oscillator_by_events() -> None:
     times = np.linspace(0.0, 10.0, 1281)
-    found = by_events(
+    result = by_events(
         lambda _, y: (y[1], -y[0] - y[0] ** 3),
         *((1.0, 0.0), 10.0, lambda y: y[0] + 0.5),
         lambda y: np.array([-0.5, -0.8 * y[1]]),
         times,
     )
-    np.testing.assert_allclose(found, problem("duffing").answer(times), atol=2e-9)
+    np.testing.assert_allclose(result, problem("duffing").answer(times), atol=2e-9)
 
 
 @pytest.mark.parametrize("name", [n for n in PROBLEMS if PROBLEMS[n]().exact is not None])
 def test_event_driven_steps_meet_the_exact_answers(name: str) -> None:
     given = problem(name)
     steps = 4 * given.steps
-    found = run(
+    result = run(
         *(scheme("event-driven").stepper, given.system(), given.law, given.start),
         *(given.duration, given.duration / steps),
     )
-    exact = given.answer(found.t)
-    assert np.abs(found.q - exact).max() < 1e-5 * np.abs(exact).max()
+    exact = given.answer(result.t)
+    assert np.abs(result.q - exact).max() < 1e-5 * np.abs(exact).max()
     if given.impacts is not None:
-        assert found.impacts == given.impacts
+        assert result.impacts == given.impacts
     if given.conservative:
-        assert found.drift < 1e-5
+        assert result.drift < 1e-5
 
 
 @pytest.mark.parametrize("law", ["newton", "poisson"])
@@ -107,24 +107,24 @@ def test_event_driven_steps_meet_the_exact_answers(name: str) -> None:
 def test_the_cradle_of_both_laws(law: str, coefficients: tuple[float, ...]) -> None:
     given = cradle(law, coefficients)
     for name in ("event-driven", "moreau-jean"):
-        found = run(*(scheme(name).stepper, given.system(), given.law, given.start, 0.4, 0.4 / 64))
-        exact = given.answer(found.t)
-        np.testing.assert_allclose(found.v[-1], np.diff(exact, axis=0)[-1] * 64 / 0.4, atol=1e-12)
+        result = run(*(scheme(name).stepper, given.system(), given.law, given.start, 0.4, 0.4 / 64))
+        exact = given.answer(result.t)
+        np.testing.assert_allclose(result.v[-1], np.diff(exact, axis=0)[-1] * 64 / 0.4, atol=1e-12)
 
 
 def test_the_struck_frame_is_the_same_for_two_schemes_and_dissipates() -> None:
     """Energy-conserving and event-driven steps share nothing but the forces of the elements."""
     given = frame_problem()
-    found = {
+    values = {
         name: run(scheme(name).stepper, given.system(), given.law, given.start, 0.015, step)
         for name, step in (("midpoint", 5e-5), ("event-driven", 2.5e-5))
     }
-    mine, other = found["midpoint"].q, found["event-driven"].q[::2]
+    mine, other = values["midpoint"].q, values["event-driven"].q[::2]
     assert np.abs(mine - other).max() < 0.01 * np.abs(other).max()
-    struck = found["midpoint"].energies[0, 0]
-    assert 0.3 * struck < found["midpoint"].energies[-1, 2] < 0.5 * struck
-    total = found["midpoint"].energies.sum(axis=1) + np.append(
-        0.0, np.cumsum(found["midpoint"].contact_loss)
+    struck = values["midpoint"].energies[0, 0]
+    assert 0.3 * struck < values["midpoint"].energies[-1, 2] < 0.5 * struck
+    total = values["midpoint"].energies.sum(axis=1) + np.append(
+        0.0, np.cumsum(values["midpoint"].contact_loss)
     )
     assert np.ptp(total) < 1e-8 * struck
 
@@ -134,14 +134,14 @@ def test_a_lumped_bar_rings_where_the_bar_of_dalembert_does_not() -> None:
     rebounds = []
     for elements in (5, 20):
         given = bar(elements)
-        found = run(
+        result = run(
             *(scheme("moreau-jean").stepper, given.system(), given.law, given.start, 3.5, 0.0025)
         )
-        pushes = found.t[found.impulses[:, 0] > 1e-9]
+        pushes = result.t[result.impulses[:, 0] > 1e-9]
         assert pushes[-1] - pushes[0] == pytest.approx(2.0, abs=0.25)
         mass = np.diag(given.system().mass)
-        rebounds.append(float(found.v[-1] @ mass) / 0.1)
-        lost = float(found.contact_loss.sum()) / found.energies[0, 0]
+        rebounds.append(float(result.v[-1] @ mass) / 0.1)
+        lost = float(result.contact_loss.sum()) / result.energies[0, 0]
         assert lost == pytest.approx(0.5 / elements, rel=0.05)  # the first mass stops at once
     assert 0.85 < rebounds[0] < rebounds[1] < 1.0
 

@@ -102,9 +102,9 @@ def test_simulate_says_that_a_number_is_made(capsys: pytest.CaptureFixture[str])
     text = to_toml(impact_tests("synthetic-impacts")[0].scenario)
     Path("hit.toml").write_text(text, encoding="utf-8")
     assert run(["simulate", "hit.toml", "--model", "measured"]) == 0
-    told = " ".join(capsys.readouterr().out.split())
-    assert "warning (synthetic): SYNTHETIC: made numbers, no test" in told
-    assert "46.7" in told
+    output = " ".join(capsys.readouterr().out.split())
+    assert "warning (synthetic): SYNTHETIC: made numbers, no test" in output
+    assert "46.7" in output
 
 
 def test_only_tables_of_impacts_can_be_asked() -> None:

@@ -85,18 +85,18 @@ def test_synthetic_rows_judge_nothing_and_are_named_everywhere(
 ) -> None:
     study = study_here(2)
     study = replace(study, figures=study.figures[:1])
-    found = ran(study, empty)
-    assert [v.verdict.value for v in found.verdicts] == ["inconclusive"] * 2
-    for verdict in found.verdicts:
+    result = ran(study, empty)
+    assert [v.verdict.value for v in result.verdicts] == ["inconclusive"] * 2
+    for verdict in result.verdicts:
         assert {case.doubt for case in verdict.cases} == {"synthetic, shows the form only,"}
         assert verdict.reasons[0].startswith("synthetic, shows the form only, in 2 of 2 asked")
     # a bound that every number breaks fails no model either
     strict = replace(study, gates=tuple(replace(gate, bound=1e-9) for gate in study.gates))
     assert {v.verdict.value for v in assess(strict, empty).verdicts} == {"inconclusive"}
-    assert all(row["synthetic"] for row in rows_of(found.tables["validation"]))
-    assert all(row["synthetic"] == 2 for row in rows_of(found.tables["matrix"]))
-    build_report(Stored(found.directory, study), formats=("html",))
-    page = (found.directory / "report" / "report.html").read_text(encoding="utf-8")
+    assert all(row["synthetic"] for row in rows_of(result.tables["validation"]))
+    assert all(row["synthetic"] == 2 for row in rows_of(result.tables["matrix"]))
+    build_report(Stored(result.directory, study), formats=("html",))
+    page = (result.directory / "report" / "report.html").read_text(encoding="utf-8")
     assert f"<h1>{MARK}Impacts" in page
     captions = re.findall(r"<((?:fig)?caption)\b[^>]*>(.*?)</\1>", page, re.DOTALL)
     assert len(captions) > 6
@@ -105,23 +105,23 @@ def test_synthetic_rows_judge_nothing_and_are_named_everywhere(
     assert not re.findall(r'class="[^"]*\b(good|doubt|bad)\b[^"]*"[^>]*>[^<]*peak', page)
     assert "No model is validated or refuted by them" in page
     assert "No tests here: no measured impact on a steel member" in page
-    beside = (found.directory / "report" / "explorer.html").read_text(encoding="utf-8")
+    beside = (result.directory / "report" / "explorer.html").read_text(encoding="utf-8")
     assert f"<h1>{MARK}Impacts" in beside
     assert "No model is validated or refuted by them" in beside
     assert not re.findall(r'<td class="[^"]*\b(good|doubt|bad)\b', beside)
     assert set(re.findall(r'"tone":"(\w*)"', beside)) == {""}
     assert (
-        len(re.findall(r'"model":"SYNTHETIC rows"[^{]*\{[^}]*\},"peak":[^}]*"width":', beside)) == 2
+        len(re.findall(r'"model":"SYNTHETIC rows"[^{]*\{[^}]*\},"main":[^}]*"width":', beside)) == 2
     )
-    front = summary(Stored(found.directory, study), empty / "git").read_text(encoding="utf-8")
+    front = summary(Stored(result.directory, study), empty / "git").read_text(encoding="utf-8")
     assert front.startswith(f"# {MARK}")
     assert "no model is judged" in front
-    matrix = [row for row in Stored(found.directory, study).rows["matrix"] if row["synthetic"]]
+    matrix = [row for row in Stored(result.directory, study).rows["matrix"] if row["synthetic"]]
     assert {row["label"] for row in matrix} == {"SYNTHETIC rows", "4-DOF", "energy estimate"}
-    show(*in_brief(study, Stored(found.directory, study)))
-    told = capsys.readouterr().out
-    assert told.startswith("SYNTHETIC rows, no tests: made numbers")
-    assert f"{MARK}Error of the peak" in " ".join(told.split())
+    show(*in_brief(study, Stored(result.directory, study)))
+    output = capsys.readouterr().out
+    assert output.startswith("SYNTHETIC rows, no tests: made numbers")
+    assert f"{MARK}Error of the peak" in " ".join(output.split())
 
 
 def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) -> None:
@@ -129,16 +129,16 @@ def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) 
     assert study.reference == "tests"
     assert set(study.groups) == {"lab one", "lab two"}
     assert not any("SYNTHETIC" in case.name for case in study.cases)
-    found = ran(study, Path("reports"))
+    result = ran(study, Path("reports"))
     rows = {
         (row["model"], row["quantity"]): row
-        for row in rows_of(found.tables["validation"])
+        for row in rows_of(result.tables["validation"])
         if not row["synthetic"]
     }
     row = rows["energy estimate", "peak_displacement"]
     cells = {
         (cell["case"], cell["label"]): cell["peak_displacement"]
-        for cell in rows_of(found.tables["cells"])
+        for cell in rows_of(result.tables["cells"])
     }
     ratios = np.array([peak / cells[n, "energy estimate"] for n, peak in tested.items()])
     lines = csv.DictReader(dataset("lab").path.read_text(encoding="utf-8").splitlines())
@@ -157,12 +157,15 @@ def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) 
     )
     assert ratios.min() < row["bias"] < ratios.max()
     assert row["low"] < row["bias"] < row["high"]
-    verdicts = {verdict.verdict.value for verdict in found.verdicts}
+    verdicts = {verdict.verdict.value for verdict in result.verdicts}
     assert verdicts <= {"pass", "fail", "inconclusive"}
-    assert not any(case.doubt for verdict in found.verdicts for case in verdict.cases)
-    assert {row["against"] for row in rows_of(found.tables["cost"])} <= {"4-DOF", "energy estimate"}
-    assert "tests" not in {row["label"] for row in rows_of(found.tables["cost"])}
-    page = render_markdown(document(study, Stored(found.directory, study), []))
+    assert not any(case.doubt for verdict in result.verdicts for case in verdict.cases)
+    assert {row["against"] for row in rows_of(result.tables["cost"])} <= {
+        "4-DOF",
+        "energy estimate",
+    }
+    assert "tests" not in {row["label"] for row in rows_of(result.tables["cost"])}
+    page = render_markdown(document(study, Stored(result.directory, study), []))
     assert "SYNTHETIC" not in page
     assert "No tests here: no measured impact" not in page
     assert "Models over tests" in page
@@ -188,9 +191,9 @@ def test_studies_of_impacts_without_tests_carry_the_footnote(empty: Path) -> Non
         stored.__dict__["synthetic"] = False
         return list(footnote(study, stored))
 
-    (told,) = notes("column_sweep")
-    assert told.text.startswith("No tests here: no measured impact on a steel member")
-    assert "workbench data add" in told.text
+    (statements,) = notes("column_sweep")
+    assert statements.text.startswith("No tests here: no measured impact on a steel member")
+    assert "workbench data add" in statements.text
     assert notes("studs") == notes("cyclic_clamped_beam") == []
 
 

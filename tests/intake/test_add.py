@@ -264,10 +264,10 @@ def test_bad_tables_are_refused_with_one_message(
     assert run(["data", "add", str(impacts(change))]) == 2
     from re import search
 
-    said = capsys.readouterr()
-    assert search(message, said.err), said.err
-    assert said.err.count("\n") == 1
-    assert said.out == ""
+    output = capsys.readouterr()
+    assert search(message, output.err), output.err
+    assert output.err.count("\n") == 1
+    assert output.out == ""
     assert not Path("lab_data").exists()
 
 
@@ -403,11 +403,11 @@ def test_mutilated_tables_end_in_one_message_or_in_a_good_catalogue() -> None:
 
 def test_a_broken_catalogue_of_ones_own_is_named(capsys: pytest.CaptureFixture[str]) -> None:
     add_table(impacts())
-    own = Path("lab_data/catalogue.toml")
-    own.write_text(own.read_text("utf-8").replace('"validate"', '"perhaps"'), encoding="utf-8")
+    given = Path("lab_data/catalogue.toml")
+    given.write_text(given.read_text("utf-8").replace('"validate"', '"perhaps"'), encoding="utf-8")
     assert run(["data", "list"]) == 2
     assert "lab_data/catalogue.toml" in capsys.readouterr().err
-    own.write_text("[[dataset]\n", encoding="utf-8")
+    given.write_text("[[dataset]\n", encoding="utf-8")
     assert run(["data", "list"]) == 2
 
 
@@ -439,9 +439,9 @@ def test_tables_that_are_added_at_once_are_all_catalogued() -> None:
         subprocess.Popen([*command, f"t{number}.csv"], stdout=subprocess.PIPE, stderr=-2)
         for number in range(count)
     ]
-    told = [each.communicate(timeout=600)[0].decode() for each in ran]
-    assert [each.returncode for each in ran] == [0] * count, told
-    for number, text in enumerate(told):
+    output = [each.communicate(timeout=600)[0].decode() for each in ran]
+    assert [each.returncode for each in ran] == [0] * count, output
+    for number, text in enumerate(output):
         assert f"1 rows of impact-tests are in lab_data/t{number}.csv" in text
     assert {f"t{number}" for number in range(count)} <= {entry.name for entry in datasets()}
     assert check() == problems_of_own() == []

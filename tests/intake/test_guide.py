@@ -15,8 +15,8 @@ GUIDE = Path(workbench.__file__).parents[1] / "docs" / "user-guide.md"
 
 def block(text: str, begin: str, end: str) -> str:
     """The indented block between two marks of the guide."""
-    found = text[text.index(begin) : text.index(end)]
-    return "\n".join(line.removeprefix("    ") for line in found.splitlines())
+    result = text[text.index(begin) : text.index(end)]
+    return "\n".join(line.removeprefix("    ") for line in result.splitlines())
 
 
 def test_the_tables_of_the_guide_come_in(

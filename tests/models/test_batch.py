@@ -69,8 +69,8 @@ def singles(model: Model, scenarios: Varied) -> pd.DataFrame:
             rows.append({OUTCOME: "invalid-input", FAILURE: str(error)})
             continue
         ok = outcome_of(response) == "ok"
-        told = {OUTCOME: outcome_of(response).value, FAILURE: response.attrs["message"]}
-        rows.append({**(scalars_of(response) if ok else {}), **told})
+        values = {OUTCOME: outcome_of(response).value, FAILURE: response.attrs["message"]}
+        rows.append({**(scalars_of(response) if ok else {}), **values})
     return pd.DataFrame(rows)
 
 

@@ -104,8 +104,8 @@ def test_a_blow_meets_the_mass_of_the_stage_it_leads_to(thesis_impact) -> None:
 
 def test_what_flexure_alone_leaves_out_is_said(thesis_impact) -> None:
     heavy = replace(thesis_impact.column, axial_load=1.5e6, restraint_stiffness=0.0)
-    found = warnings_of(Biggs().simulate(replace(thesis_impact, column=heavy)))
-    assert "simplification" in {finding.subject for finding in found}
+    findings = warnings_of(Biggs().simulate(replace(thesis_impact, column=heavy)))
+    assert "simplification" in {finding.subject for finding in findings}
     assert "simplification" not in {
         finding.subject for finding in warnings_of(Biggs().simulate(thesis_impact))
     }

@@ -43,8 +43,8 @@ def stiffness(column: Column) -> float:
 
 
 def strengths(column: Column) -> tuple[float, float, float]:
-    own = column.properties
-    return own.plastic_moment, own.squash_load, axial_flexibility(column)
+    properties = column.properties
+    return properties.plastic_moment, properties.squash_load, axial_flexibility(column)
 
 
 def test_izzuddin_in_closed_form(beam) -> None:
@@ -142,5 +142,5 @@ def test_curves_of_drawn_columns_are_continuous_and_end_in_the_rope(model) -> No
 def test_impacts_go_as_far_as_their_energy(model, beam) -> None:
     impact = ColumnImpact("hit", beam, Striker(1500.0, 12.0), 0.15)
     expected = model.curve(beam).displacement_at(energy_to_absorb(impact))
-    found = float(model.simulate(impact)["peak_displacement"])
-    assert found == pytest.approx(expected, rel=1e-4)
+    peak = float(model.simulate(impact)["peak_displacement"])
+    assert peak == pytest.approx(expected, rel=1e-4)

@@ -56,8 +56,8 @@ def test_ductility_against_another_integration(shape) -> None:
         return [w, float(pulse.force(t)) - min(force, 1.0), w if flows else 0.0]
 
     span = pulse.end + pulse.whole + 7.0
-    found = solve_ivp(rate, (0.0, span), np.zeros(3), max_step=0.02, rtol=1e-7, atol=1e-9)
-    assert ductility(shape, length, strength) == pytest.approx(found.y[0].max(), rel=4e-3)
+    result = solve_ivp(rate, (0.0, span), np.zeros(3), max_step=0.02, rtol=1e-7, atol=1e-9)
+    assert ductility(shape, length, strength) == pytest.approx(result.y[0].max(), rel=4e-3)
 
 
 def member(load: str = "uniform") -> MemberPulse:
@@ -90,9 +90,9 @@ def test_a_curve_says_where_there_is_none() -> None:
 def test_the_command_prints_draws_and_refuses(tmp_path: Path, capsys) -> None:
     picture = tmp_path / "chart.svg"
     assert run(["chart", "ductility", "--json", "--figure", str(picture)]) == 0
-    found = json.loads(capsys.readouterr().out)
-    place = found["lengths"].index(1.0), found["strengths"].index(1.0)
-    assert found["ductility"][place[0]][place[1]] == pytest.approx(ductility("triangular", 1, 1))
+    answer = json.loads(capsys.readouterr().out)
+    place = answer["lengths"].index(1.0), answer["strengths"].index(1.0)
+    assert answer["ductility"][place[0]][place[1]] == pytest.approx(ductility("triangular", 1, 1))
     assert picture.read_text().startswith("<svg")
     assert run(["chart", "iso-ductility", "--json", "--shape", "exponential"]) == 0
     curves = json.loads(capsys.readouterr().out)["curves"]

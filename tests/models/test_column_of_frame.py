@@ -104,13 +104,13 @@ def subjects(response: Response) -> list[str]:
 )
 def test_the_frame_of_a_column_gives_that_column(column: Column) -> None:
     impact = ColumnImpact("alone", column, Striker(1000.0, 8.0, 0.2), 0.04)
-    found = derive_column(frame_scenario(impact))
-    assert found.striker == impact.striker
-    assert found.duration == impact.duration
+    result = derive_column(frame_scenario(impact))
+    assert result.striker == impact.striker
+    assert result.duration == impact.duration
     for name in ("axial_load", "restraint_stiffness", "head_mass"):
-        assert getattr(found.column, name) == pytest.approx(getattr(column, name), rel=1e-9)
+        assert getattr(result.column, name) == pytest.approx(getattr(column, name), rel=1e-9)
     same = replace(
-        found.column,
+        result.column,
         axial_load=column.axial_load,
         restraint_stiffness=column.restraint_stiffness,
         head_mass=column.head_mass,
@@ -202,8 +202,8 @@ def test_tributary_masses(rule: str, expected: float) -> None:
 def test_mass_in_the_deflected_shape() -> None:
     # each beam bends as a clamped-guided one: 13/35 of its mass
     frame = changed(cross(), _1={"mass": 700.0})
-    found = derive_column(hit(frame), "deflected-shape").column.head_mass
-    assert found == pytest.approx(700.0 + 2.0 * 13.0 / 35.0 * BEAM_MASS, rel=1e-9)
+    result = derive_column(hit(frame), "deflected-shape").column.head_mass
+    assert result == pytest.approx(700.0 + 2.0 * 13.0 / 35.0 * BEAM_MASS, rel=1e-9)
 
 
 def test_mass_at_the_struck_node_joins_the_impact_mass() -> None:
@@ -340,11 +340,11 @@ def test_dead_loads_soften_the_sway_of_a_portal_by_their_turn() -> None:
     load = 1e5
     dead = tuple(Load(name, y=-load) for name in ("A1", "B1"))
     portal = replace(regular_frame((6.0,), (4.0,), SECTION, SECTION), loads=dead)
-    found = collapse_mechanism(portal, (Load("A1", x=1.0),), dead)
-    assert found is not None
-    assert found.factor == pytest.approx(4 * MOMENT / 4.0, rel=1e-8)  # measured: round-off
+    mechanism = collapse_mechanism(portal, (Load("A1", x=1.0),), dead)
+    assert mechanism is not None
+    assert mechanism.factor == pytest.approx(4 * MOMENT / 4.0, rel=1e-8)  # measured: round-off
     axial = dead_load_state(portal).axial
-    assert found.softening(portal, axial) == pytest.approx(2.0 * load / 4.0, rel=1e-6)
+    assert mechanism.softening(portal, axial) == pytest.approx(2.0 * load / 4.0, rel=1e-6)
 
 
 def test_a_hit_that_dead_loads_carry_on_is_told() -> None:
@@ -363,11 +363,11 @@ def test_a_hit_that_dead_loads_carry_on_is_told() -> None:
     energy = 750.0 / (1.0 + SECTION.area * 7850.0 * height / 3.0 / 1500.0)
     softening = 3.0 * load / height
     assert slow.fall == pytest.approx(2.0 * softening * energy / resistance**2, rel=1e-4)
-    for factor, told in ((0.98, False), (1.02, True)):
+    for factor, statements in ((0.98, False), (1.02, True)):
         faster = striker(factor / slow.fall**0.5)
         hit_again = FrameImpact("hit", frame, faster, 0.05)
-        subjects = [found.subject for found in ColumnOfFrame().domain(hit_again)]
-        assert ("fall" in subjects) is told
+        subjects = [result.subject for result in ColumnOfFrame().domain(hit_again)]
+        assert ("fall" in subjects) is statements
 
 
 def test_joints_bound_the_collapse_load_by_sign() -> None:
@@ -380,8 +380,8 @@ def test_joints_bound_the_collapse_load_by_sign() -> None:
     frame = replace(portal, members=members, joints=(weak,))
     # swaying to either side, one end of the beam sags and the other hogs
     for direction in (1.0, -1.0):
-        found = collapse_factor(frame, (Load("A1", x=direction),))
-        assert found == pytest.approx((2.0 + 0.7) * MOMENT / 4.0, rel=1e-8)  # measured: round-off
+        factor = collapse_factor(frame, (Load("A1", x=direction),))
+        assert factor == pytest.approx((2.0 + 0.7) * MOMENT / 4.0, rel=1e-8)  # measured: round-off
 
 
 # -- the model ----------------------------------------------------------------------------------
@@ -412,15 +412,15 @@ def test_joints_that_sway_are_told_with_the_energy_that_they_take() -> None:
         "A0-A1", 2.0, "hit"
     )
     gentle = FrameImpact("gentle", swaying, FrameStriker(1500.0, 1.0, node="hit"), 0.05)
-    (told,) = (f for f in ColumnOfFrame().domain(gentle) if f.subject == "sway")
+    (finding,) = (f for f in ColumnOfFrame().domain(gentle) if f.subject == "sway")
     column = frame_scenario(derive_column(gentle)).frame
     soft = []
     for frame in (column, swaying):
         elastic = ElasticFrame(frame)
         force = elastic.load([Load("hit", x=1.0)])
         soft.append(float(force @ elastic.displacement(force)))
-    assert told.number == pytest.approx(1.0 - np.sqrt(soft[0] / soft[1]), rel=1e-9)
-    assert told.number > 0.3
+    assert finding.number == pytest.approx(1.0 - np.sqrt(soft[0] / soft[1]), rel=1e-9)
+    assert finding.number > 0.3
     held = hit(changed(cross(), _1={"locked": "x"}), velocity=20.0)
     assert "sway" not in {f.subject for f in ColumnOfFrame().domain(held)}
     light = replace(held, striker=replace(held.striker, mass=300.0))
@@ -647,9 +647,9 @@ def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Non
     assert run([*command, *options]) == 0
     assert json.loads(capsys.readouterr().out)["peak_displacement"] > 0.01
     assert run([*command, "--option", "head_mass=all"]) == 2
-    said = capsys.readouterr().err
-    assert "column-line" in said
-    assert "Traceback" not in said
+    errors = capsys.readouterr().err
+    assert "column-line" in errors
+    assert "Traceback" not in errors
 
 
 def test_the_study_sorts_its_cases_as_the_model_does() -> None:

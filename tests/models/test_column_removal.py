@@ -60,10 +60,10 @@ def test_taken_away_at_once_an_elastic_frame_goes_twice_as_far() -> None:
     assert peak == pytest.approx(2.0 * static, rel=1e-3)  # one mode has 0.998 of it
     model = PlasticHinge(elements=4, shear_flexible=False)
     pushed = model.simulate(slow)
-    own = float(np.interp(1.0, pushed["load_factor"], pushed["displacement"]))
-    assert own == pytest.approx(static, rel=0.01)
+    value = float(np.interp(1.0, pushed["load_factor"], pushed["displacement"]))
+    assert value == pytest.approx(static, rel=0.01)
     swung = float(model.simulate(sudden)["peak_displacement"])
-    assert swung == pytest.approx(2.0 * own, rel=2e-3)
+    assert swung == pytest.approx(2.0 * value, rel=2e-3)
     assert swung == pytest.approx(peak, rel=0.01)
 
 

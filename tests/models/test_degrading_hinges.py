@@ -29,7 +29,7 @@ def turning_points(moment: float, bending: float) -> tuple[list[float], list[flo
     M = M_p s, s = exp(-R / capacity) after an accumulated plastic rotation R; the elastic rotation
     of the chord is M (L / 3 + L / 6 (1 / s - 1)) / EI.
     """
-    left, plastic, found, shares = 1.0, 0.0, [], []
+    left, plastic, result, shares = 1.0, 0.0, [], []
     for moved in PATH:
         turn, sign, before = moved / LENGTH, 1.0 if moved > 0.0 else -1.0, left
 
@@ -39,9 +39,9 @@ def turning_points(moment: float, bending: float) -> tuple[list[float], list[flo
 
         left = brentq(gap, 1e-6, before, xtol=1e-15)
         plastic -= sign * CAPACITY * log(left / before)
-        found.append(sign * moment * left)
+        result.append(sign * moment * left)
         shares.append(left)
-    return found, shares
+    return result, shares
 
 
 def test_cyclic_cantilever_is_the_closed_form() -> None:

@@ -75,8 +75,8 @@ def test_slips_under_dynamic_reactions_by_scipy(stocky) -> None:
     assert np.abs(slip[0] - hand.y[0]).max() < 5e-3 * slip.max()
     np.testing.assert_allclose(slip[1], slip[0])  # both ends alike
     assert slip.max() > 10.0 * curve.elastic_limit
-    told = {each.subject: each.number for each in findings_of(response)}
-    assert told["slip"] == pytest.approx(1e3 * slip.max())
+    findings = {each.subject: each.number for each in findings_of(response)}
+    assert findings["slip"] == pytest.approx(1e3 * slip.max())
 
 
 def test_points_that_end_shear_the_member_off(stocky, tmp_path: Path) -> None:

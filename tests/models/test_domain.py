@@ -51,9 +51,9 @@ def test_a_line_load_needs_its_reactions(ends: str, moments: float) -> None:
     """q L / 2 of the mechanism q = 8 M / L^2, clamped 16 M / L^2."""
     head = "pinned" if ends == "pinned" else "guided"
     column = Column(find("HEB 220"), 2.0, 2.0, base=ends, head=head)
-    own = column.properties
+    properties = column.properties
     pulse = MemberPulse("line", column, Pulse("ramp", 1.0, 1.0), "uniform")
-    expected = moments * own.plastic_moment / column.length / own.shear_resistance
+    expected = moments * properties.plastic_moment / column.length / properties.shear_resistance
     assert shear_demand(pulse) == pytest.approx({"below": expected, "above": expected})
 
 
@@ -61,11 +61,11 @@ def test_axial_loads_are_told_from_half_the_euler_load_on() -> None:
     column = Column(find("IPE 300"), 9.0, 9.0, base="pinned", head="pinned")
     critical = euler_load(ColumnPushover("push", column, 0.01))
     assert critical < 0.9 * column.properties.squash_load
-    for share, told in ((0.4, []), (0.6, [False]), (1.01, [True])):
+    for share, statements in ((0.4, []), (0.6, [False]), (1.01, [True])):
         loaded = replace(column, axial_load=share * critical)
-        found = buckling_findings(ColumnPushover("push", loaded, 0.01))
-        assert [finding.refusal for finding in found] == told
-        assert [finding.number for finding in found] == pytest.approx([share] * len(told))
+        findings = buckling_findings(ColumnPushover("push", loaded, 0.01))
+        assert [finding.refusal for finding in findings] == statements
+        assert [finding.number for finding in findings] == pytest.approx([share] * len(statements))
 
 
 def test_half_of_a_pulse_on_either_side_is_direct_shear() -> None:
@@ -74,8 +74,8 @@ def test_half_of_a_pulse_on_either_side_is_direct_shear() -> None:
     for load, factor in (("point", 1.0), ("uniform", 0.25)):
         for share in (0.8, 1.25):
             pulse = Pulse("rectangular", 2.0 * share * factor * resistance, 0.01)
-            found = member_findings(MemberPulse("hit", column, pulse, load))
-            direct = [f.number for f in found if "direct shear" in f.text]
+            findings = member_findings(MemberPulse("hit", column, pulse, load))
+            direct = [f.number for f in findings if "direct shear" in f.text]
             assert direct == pytest.approx([share] if share > 1.0 else [])
 
 
@@ -89,10 +89,10 @@ def test_the_bound_follows_the_share_of_the_webs() -> None:
     assert shear_bound(Section("pipe", CircularTube(0.2, 0.01))) == shear_bound(square(0.2)) == 0.45
 
 
-@pytest.mark.parametrize(("demand", "said"), [(0.8, ""), (0.9, "above 0.85"), (1.1, "yields")])
-def test_warnings_begin_at_the_bound(demand, said) -> None:
+@pytest.mark.parametrize(("demand", "message"), [(0.8, ""), (0.9, "above 0.85"), (1.1, "yields")])
+def test_warnings_begin_at_the_bound(demand, message) -> None:
     texts = [
         f.text for f in member_findings(push_at(find("HEB 220"), demand)) if f.subject == "shear"
     ]
-    assert len(texts) == (1 if said else 0)
-    assert all(said in text and f"V/Vpl = {demand:.2f}" in text for text in texts)
+    assert len(texts) == (1 if message else 0)
+    assert all(message in text and f"V/Vpl = {demand:.2f}" in text for text in texts)

@@ -85,8 +85,8 @@ def test_shear_stands_in_series_at_midspan() -> None:
     np.testing.assert_allclose(sliding, rigid, rtol=1e-9)
     for model in (FourDof(), FourDofShear(web_depth="clear"), SingleDof(resistance="analytic")):
         push = model.simulate(ColumnPushover("push", column, 1e-5))
-        found = float(push["force"][-1] / push["displacement"][-1])
-        assert found == pytest.approx(1.0 / series, rel=0.03)  # the webs of panels are their own
+        value = float(push["force"][-1] / push["displacement"][-1])
+        assert value == pytest.approx(1.0 / series, rel=0.03)  # the webs of panels are their own
 
 
 @pytest.mark.parametrize("share", [-0.4, 1e-5, 0.3, 0.9])

@@ -36,12 +36,12 @@ def test_thesis_column(thesis_impact, shape) -> None:
         impact = thesis_impact.at_velocity(velocity)
         response = model.simulate(impact)
         bounced = model.simulate(bouncing(impact, 1.0))
-        found = [
+        peak = [
             float(response["peak_displacement"]),
             float(response["residual_displacement"]),
             float(bounced["peak_displacement"]),
         ]
-        np.testing.assert_allclose(found, expected, rtol=1e-4)
+        np.testing.assert_allclose(peak, expected, rtol=1e-4)
 
 
 def test_the_cubic_resistance_against_the_printed_values(thesis_impact) -> None:

@@ -23,8 +23,8 @@ def test_one_element_reaches_the_fine_mesh_where_steel_hardens() -> None:
     scenario = cantilever(4.0, 0.0, 0.3)
     fine = FiberCorotational(hardening_ratio=0.02, **FINE).simulate(scenario)
     model = ForceBasedBeam(hardening_ratio=0.02, points=8)
-    found = np.interp([0.03, 0.1, 0.3], *_curve(model.simulate(scenario)))
-    assert found == pytest.approx(np.interp([0.03, 0.1, 0.3], *_curve(fine)), rel=0.01)
+    response = np.interp([0.03, 0.1, 0.3], *_curve(model.simulate(scenario)))
+    assert response == pytest.approx(np.interp([0.03, 0.1, 0.3], *_curve(fine)), rel=0.01)
 
 
 def test_perfectly_plastic_resistance_is_that_of_the_section() -> None:

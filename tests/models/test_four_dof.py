@@ -339,10 +339,10 @@ def test_steps_do_not_resolve_axial_vibrations_whatever_their_frequency(
         assert outcome_of(response) is Outcome.OK
         return response
 
-    found, expected = answer(stiff), answer(limit)
-    assert len(found["time"]) < 1000
+    result, expected = answer(stiff), answer(limit)
+    assert len(result["time"]) < 1000
     for name in ("peak_displacement", "residual_displacement"):
-        assert float(found[name]) == pytest.approx(float(expected[name]), rel=1e-5)  # 5.0e-6
+        assert float(result[name]) == pytest.approx(float(expected[name]), rel=1e-5)  # 5.0e-6
 
 
 def test_steps_that_no_memory_holds_are_refused_with_what_to_do(
@@ -351,7 +351,7 @@ def test_steps_that_no_memory_holds_are_refused_with_what_to_do(
     light = replace(thesis_impact.column, head_mass=1e-9)
     response = FourDof(integrator="moreau").simulate(replace(thesis_impact, column=light))
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
-    (finding,) = (found for found in findings_of(response) if found.refusal)
+    (finding,) = (result for result in findings_of(response) if result.refusal)
     assert finding.subject == "steps"
     assert finding.number > 1e6
     assert "column.head_mass" in finding.remedy

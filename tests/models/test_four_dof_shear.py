@@ -63,10 +63,10 @@ def test_peaks_of_the_thesis_column(kind, thesis_impact) -> None:
     np.testing.assert_allclose(peaks, PEAKS[kind], rtol=1e-3, atol=5e-5)
     for scenario, response in zip(scenarios, responses, strict=True):
         assert ledger(response, scenario) < 1e-6  # measured 8e-8
-        own = model(kind).simulate(scenario)  # with the step the model chooses
+        given = model(kind).simulate(scenario)  # with the step the model chooses
         peak = float(response["peak_displacement"])
-        assert float(own["peak_displacement"]) == pytest.approx(peak, rel=2e-3)  # measured 1.6e-3
-        assert ledger(own, scenario) < 1e-6
+        assert float(given["peak_displacement"]) == pytest.approx(peak, rel=2e-3)  # measured 1.6e-3
+        assert ledger(given, scenario) < 1e-6
 
 
 @pytest.mark.parametrize(
@@ -86,9 +86,9 @@ class Strong(ShearSurface):
 
     @property
     def record(self):
-        own = super().record.copy()
-        own["shear"], own["stiffness"] = 1e7 * own["shear"], 1e7 * own["stiffness"]
-        return own
+        given = super().record.copy()
+        given["shear"], given["stiffness"] = 1e7 * given["shear"], 1e7 * given["stiffness"]
+        return given
 
 
 class StrongWeb(FourDofShear):

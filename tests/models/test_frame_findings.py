@@ -161,9 +161,9 @@ def test_shear_demand_of_a_column_is_that_of_the_column(thesis_impact) -> None:
     for base, head in (("clamped", "guided"), ("pinned", "pinned")):
         column = replace(thesis_impact.column, base=base, head=head, axial_load=0.0)
         impact = replace(thesis_impact, column=column)
-        found = shear_demand(frame_scenario(impact))
+        result = shear_demand(frame_scenario(impact))
         expected = column_demand(impact)
-        assert found == pytest.approx(expected, rel=1e-9)
+        assert result == pytest.approx(expected, rel=1e-9)
 
 
 def test_unloaded_nodes_do_not_shorten_members() -> None:
@@ -194,9 +194,9 @@ def test_chains_follow_straight_members_through_free_nodes() -> None:
         ),
     )
     for candidate in (frame, turned):
-        found = sorted(members_of(candidate), key=len, reverse=True)
-        assert found[0] == ("A0-A1/1", "A0-A1/2/1", "A0-A1/2/2")
-        assert all(len(chain) == 1 for chain in found[1:])
+        result = sorted(members_of(candidate), key=len, reverse=True)
+        assert result[0] == ("A0-A1/1", "A0-A1/2/1", "A0-A1/2/2")
+        assert all(len(chain) == 1 for chain in result[1:])
     cut = sorted(members_of(frame, {"p"}), key=len, reverse=True)
     assert cut[0] == ("A0-A1/2/1", "A0-A1/2/2")
     # corners, supports, springs and joints end a chain
@@ -225,9 +225,9 @@ def test_time_to_the_peak_of_a_clamped_column(thesis_impact, shear_flexible) -> 
         impact = replace(thesis_impact.at_velocity(velocity), column=column)
         elastic = 0.5 * pi * sqrt((mass + properties.mass_per_length * 3.2 / 3.0) * flexibility)
         plastic = mass * velocity / (2.0 * properties.plastic_moment * moduli)
-        found = time_to_peak(frame_scenario(impact), shear_flexible)
-        assert found == pytest.approx(max(elastic, plastic), rel=1e-9)
-        assert (found == pytest.approx(plastic)) == (velocity > 1.0)
+        result = time_to_peak(frame_scenario(impact), shear_flexible)
+        assert result == pytest.approx(max(elastic, plastic), rel=1e-9)
+        assert (result == pytest.approx(plastic)) == (velocity > 1.0)
 
 
 def test_a_wave_passes_all_parts_of_a_member() -> None:

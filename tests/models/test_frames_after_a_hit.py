@@ -55,9 +55,9 @@ def test_the_way_to_the_fall_is_that_of_a_rigid_plastic_portal() -> None:
     # energies: with a tenth less resistance the way to the fall takes what half of it took
     reached = 1.0 - sqrt(1.0 - 0.9**2)
     assert sway_findings(sway, np.full(3, 0.99 * reached * falling)) == []
-    (told,) = sway_findings(sway, np.full(3, 1.01 * reached * falling))
-    assert told.number == pytest.approx(1.01 * reached, rel=1e-4)
-    assert told.remedy
+    (finding,) = sway_findings(sway, np.full(3, 1.01 * reached * falling))
+    assert finding.number == pytest.approx(1.01 * reached, rel=1e-4)
+    assert finding.remedy
 
 
 @pytest.mark.parametrize("model", [RigidSuperelement(), FlexibleSuperelement()])
@@ -98,15 +98,15 @@ def test_a_part_of_a_slow_cycle_is_no_residual_displacement() -> None:
     start = 0.1
     for end in np.arange(0.2, 1.0, 0.05):
         until = time <= end
-        value, told = residual_over(time[until], moved[until], start, 0.2)
-        assert bool(told) == (end < start + 0.3)
+        value, statements = residual_over(time[until], moved[until], start, 0.2)
+        assert bool(statements) == (end < start + 0.3)
         if value is not None:
             assert value == pytest.approx(0.02, abs=5e-4)
     short = time <= start + 0.29
-    value, (found,) = residual_over(time[short], moved[short], start, 0.2)
+    value, (result,) = residual_over(time[short], moved[short], start, 0.2)
     assert value is None
-    assert "set time.duration to" in found.remedy
-    assert float(found.remedy.split(" to ")[1].split()[0]) > start + 0.3
+    assert "set time.duration to" in result.remedy
+    assert float(result.remedy.split(" to ")[1].split()[0]) > start + 0.3
 
 
 def test_a_short_record_of_a_frame_has_no_residual_but_a_duration_to_set() -> None:
@@ -114,9 +114,9 @@ def test_a_short_record_of_a_frame_has_no_residual_but_a_duration_to_set() -> No
     hit = portal_on_pins(1.0, 0.1, dead=0.0)
     short = FlexibleSuperelement().simulate(hit)
     assert "residual_displacement" not in short
-    (told,) = (f for f in warnings_of(short) if f.subject == "no-residual")
-    assert not told.outside
-    needed = float(told.remedy.split(" to ")[1].split()[0])
+    (finding,) = (f for f in warnings_of(short) if f.subject == "no-residual")
+    assert not finding.outside
+    needed = float(finding.remedy.split(" to ")[1].split()[0])
     whole = FlexibleSuperelement().simulate(replace(hit, duration=1.5 * needed))
     peak, rest = (float(whole[name]) for name in ("peak_displacement", "residual_displacement"))
     assert abs(rest) < 0.1 * peak

@@ -145,9 +145,9 @@ def test_a_steel_that_knows_its_rate_strengthens_a_curve_as_it_does_the_column(
     many = simulate_many(SingleDof(softening), [impact])
     assert many["peak_displacement"][0] == float(single["peak_displacement"])
     pulse = MemberPulse("pulse", quick, Pulse("triangular", 1e6, 0.01), "point", 0.05)
-    told = [{f.subject for f in warnings_of(SingleDof(softening, rate_factor=r).simulate(pulse))}
-            for r in (None, 1.2)]  # fmt: skip
-    assert ["strain-rate" in each for each in told] == [True, False]
+    responses = [SingleDof(softening, rate_factor=r).simulate(pulse) for r in (None, 1.2)]
+    findings = [{f.subject for f in warnings_of(response)} for response in responses]
+    assert ["strain-rate" in each for each in findings] == [True, False]
 
 
 def test_a_curve_that_drops_and_one_that_snaps(thesis_impact, tmp_path) -> None:

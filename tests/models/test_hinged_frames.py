@@ -101,9 +101,11 @@ def test_resistance_follows_the_surface(surface: str, share: float) -> None:
     assert float(model.simulate(scenario)["resistance"]) == pytest.approx(
         expected * MP / 4.0, rel=1e-3
     )
-    found = Giberson(geometry="linear").simulate(scenario)
-    assert float(found["resistance"]) == pytest.approx(MP / 4.0, rel=1e-3)  # knows no interaction
-    assert "interaction" in found.attrs["findings"]
+    response = Giberson(geometry="linear").simulate(scenario)
+    assert float(response["resistance"]) == pytest.approx(
+        MP / 4.0, rel=1e-3
+    )  # knows no interaction
+    assert "interaction" in response.attrs["findings"]
 
 
 def test_bilinear_ratio_is_the_slope_after_yield() -> None:
@@ -183,8 +185,10 @@ def test_catenary_action_is_warned_of_where_members_were_pulled() -> None:
         hit = FrameImpact("hit", frame, FrameStriker(1500.0, 8.0, node="hit"), 0.06)
         response = Giberson().simulate(hit)
         assert response.attrs["outcome"] == "ok", response.attrs["message"]
-        assert "catenary" in {told.subject for told in Giberson().domain(hit)}
-        assert ("catenary" in {told.subject for told in warnings_of(response)}) is pulled
+        assert "catenary" in {statements.subject for statements in Giberson().domain(hit)}
+        assert (
+            "catenary" in {statements.subject for statements in warnings_of(response)}
+        ) is pulled
 
 
 def test_struck_members_are_cut_so_that_they_keep_their_energy() -> None:
@@ -215,20 +219,20 @@ def test_struck_members_are_cut_so_that_they_keep_their_energy() -> None:
 def test_shear_is_reached_by_end_moments_not_by_a_wave() -> None:
     """A light, fast striker sends waves beyond V_pl; low hits need it from the end moments."""
     portal = regular_frame((5.0,), (4.0,), HEB, find("IPE 300"))
-    found = {}
+    values = {}
     for at, mass, velocity in ((2.0, 60.0, 20.0), (0.5, 1500.0, 8.0)):
         frame = portal.split("A0-A1", at, "hit")
         hit = FrameImpact("hit", frame, FrameStriker(mass, velocity, node="hit"), 0.02)
         response = PlasticHinge().simulate(hit)
         assert response.attrs["outcome"] == "ok", response.attrs["message"]
         assert float(response["shear_utilisation"].max()) > 1.0
-        said = {told.subject: told for told in warnings_of(response)}
-        assert "shear" not in said  # what the mechanism needs is known now
-        found[mass] = said.get("shear-reached")
-    assert found[60.0] is None
-    reached = found[1500.0]
+        findings = {statements.subject: statements for statements in warnings_of(response)}
+        assert "shear" not in findings  # what the mechanism needs is known now
+        values[mass] = findings.get("shear-reached")
+    assert values[60.0] is None
+    reached = values[1500.0]
     assert reached is not None
-    assert "shear" in {told.subject for told in PlasticHinge().domain(hit)}
+    assert "shear" in {statements.subject for statements in PlasticHinge().domain(hit)}
     start, end = (response["moment"].sel(hinge=f"A0-A1/1:{side}") for side in ("start", "end"))
     force = float(np.abs(end - start).max()) / 0.5
     share = force / frame.properties("A0-A1/1").shear_resistance

@@ -144,7 +144,7 @@ def test_every_lumped_model_goes_farther_with_it(model) -> None:
     for rule in (THESIS, WAVES):
         response = model(hit_mass=rule).simulate(scenario)
         peaks[rule] = float(response["peak_displacement"])
-    own = replace(scenario.column, impact_mass=wave_mass(scenario))
-    response = model(hit_mass=THESIS).simulate(replace(scenario, column=own))
+    changed = replace(scenario.column, impact_mass=wave_mass(scenario))
+    response = model(hit_mass=THESIS).simulate(replace(scenario, column=changed))
     assert peaks[WAVES] == float(response["peak_displacement"])
     assert peaks[WAVES] > 1.01 * peaks[THESIS]

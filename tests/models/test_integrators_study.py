@@ -96,9 +96,9 @@ def test_the_page_says_which_scheme_for_which_problem(stored: Stored) -> None:
     assert rows["newmark"][1].tone == "good"
     assert rows["event-driven"][0].text == "≤\u202f240\nexact"
     assert rows["newmark"][0].text.startswith("never\n1.6 times")
-    said = [text for b in walk((section,)) if isinstance(b, Bullets) for text in b.items]
-    assert any(text.startswith("two-masses: ") for text in said)
-    lost = [text for text in said if text.startswith("More than 10 %")]
+    values = [text for b in walk((section,)) if isinstance(b, Bullets) for text in b.items]
+    assert any(text.startswith("two-masses: ") for text in values)
+    lost = [text for text in values if text.startswith("More than 10 %")]
     assert lost == [
         "More than 10 % of the largest place off on two-masses: newmark, at worst by 1.6 times."
     ]

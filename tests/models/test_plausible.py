@@ -26,7 +26,7 @@ def texts(scenario) -> str:
 
 
 @pytest.mark.parametrize(
-    ("part", "changes", "said"),
+    ("part", "changes", "message"),
     [
         ("column", {"axial_load": 500.0}, "column.axial_load = 500 N is small"),
         ("column", {"head_mass": 0.6}, "column.head_mass = 0.6 kg is small"),
@@ -35,11 +35,11 @@ def texts(scenario) -> str:
     ],
 )
 def test_another_unit_is_suspected_of_columns(
-    thesis_impact: ColumnImpact, part, changes, said
+    thesis_impact: ColumnImpact, part, changes, message
 ) -> None:
     assert texts(thesis_impact) == ""
     odd = replace(thesis_impact, **{part: replace(getattr(thesis_impact, part), **changes)})
-    assert said in texts(odd)
+    assert message in texts(odd)
     for model in (FourDof(), SingleDof()):
         response = model.simulate(odd)
         assert outcome_of(response) in (Outcome.OK, Outcome.COLLAPSE)
@@ -67,9 +67,9 @@ def test_dead_loads_without_mass_are_named_where_the_ground_moves() -> None:
     loaded = replace(frame, loads=tuple(Load(name, y=-98100.0) for name in tops))
     shaken = FrameGroundMotion("quake", loaded, (0.0, 3.0, -3.0, 0.0), 0.05, tops[0])
     model = RigidSuperelement()
-    (found,) = [f for f in model.domain(shaken) if f.subject == "mass"]
-    assert f"{1e4 * len(tops):.3g} kg" in found.text
-    assert "load_as_mass = true" in found.remedy
+    (findings,) = [f for f in model.domain(shaken) if f.subject == "mass"]
+    assert f"{1e4 * len(tops):.3g} kg" in findings.text
+    assert "load_as_mass = true" in findings.remedy
     given = tuple(
         replace(node, mass=1e4) if isinstance(node, Node) and node.name in tops else node
         for node in frame.nodes

@@ -75,11 +75,11 @@ def test_its_pulse_moves_an_elastic_column_as_the_closed_form_says(thesis_impact
     force *= impact.striker.velocity
     impact = replace(impact, duration=4.0 * period + length * period)
     factor = 2.0 * sin(pi * length) if length < 0.5 else 2.0
-    found = float(model.simulate(impact)["peak_displacement"])
-    assert found == pytest.approx(factor * force / stiffness, rel=1e-3)
+    peak = float(model.simulate(impact)["peak_displacement"])
+    assert peak == pytest.approx(factor * force / stiffness, rel=1e-3)
     if length > 1.0:  # phi = 2 of the standard is the step on an elastic structure
         static = replace(model, application="static").simulate(impact)
-        assert float(static["peak_displacement"]) == pytest.approx(found, rel=1e-3)
+        assert float(static["peak_displacement"]) == pytest.approx(peak, rel=1e-3)
 
 
 def test_the_way_of_the_column_is_told_over_the_crush_of_the_striker(thesis_impact) -> None:
@@ -88,10 +88,10 @@ def test_the_way_of_the_column_is_told_over_the_crush_of_the_striker(thesis_impa
         model = HardImpact(striker_stiffness=stiffness)
         response = model.simulate(thesis_impact.at_velocity(velocity))
         ratio = float(response["peak_displacement"]) / crush
-        (told,) = (f for f in warnings_of(response) if f.subject == subject)
+        (finding,) = (f for f in warnings_of(response) if f.subject == subject)
         expected = 1.0 / ratio if subject == "striker" else ratio
-        assert told.number == pytest.approx(expected, rel=1e-4)
-        assert f"by {crush:.3g} m" in told.text
+        assert finding.number == pytest.approx(expected, rel=1e-4)
+        assert f"by {crush:.3g} m" in finding.text
 
 
 def test_the_rule_says_when_it_is_none(thesis_impact) -> None:
@@ -124,8 +124,8 @@ def test_forces_of_table_4_1_act_statically_whatever_the_striker(thesis_impact) 
         assert float(response["peak_force"]) == FORCES[traffic]
         faster = HardImpact(application=traffic).simulate(thesis_impact.at_velocity(30.0))
         assert float(faster["peak_displacement"]) == float(response["peak_displacement"])
-        (told,) = (f for f in warnings_of(response) if f.subject == "striker")
-        assert "318.2 kN on a rigid wall" in told.text
+        (finding,) = (f for f in warnings_of(response) if f.subject == "striker")
+        assert "318.2 kN on a rigid wall" in finding.text
 
 
 def test_design_vehicles_make_the_forces_of_table_c_2() -> None:

@@ -60,16 +60,16 @@ FACTORS = {
 def test_elastic_peaks_are_those_of_the_table(column, shape) -> None:
     for length, factor in zip((0.1, 0.4, 1, 2, pi, 10, 40, 100), FACTORS[shape], strict=True):
         pulse = Pulse(shape, 0.2 * STRENGTH, length / OMEGA)
-        found = peak(column, pulse, (length + 7.0) / OMEGA) * STIFFNESS / pulse.peak
-        assert found == pytest.approx(factor, rel=2.5e-3)
+        result = peak(column, pulse, (length + 7.0) / OMEGA) * STIFFNESS / pulse.peak
+        assert result == pytest.approx(factor, rel=2.5e-3)
 
 
 def test_a_ramp_in_closed_form(column) -> None:
     for length in (1.0, 2.5, 7.0):
         pulse = Pulse("ramp", 0.2 * STRENGTH, length / OMEGA)
         exact = 1.0 + abs(sin(0.5 * length)) / (0.5 * length)
-        found = peak(column, pulse, (length + 7.0) / OMEGA) * STIFFNESS / pulse.peak
-        assert found == pytest.approx(exact, rel=1e-3)
+        result = peak(column, pulse, (length + 7.0) / OMEGA) * STIFFNESS / pulse.peak
+        assert result == pytest.approx(exact, rel=1e-3)
 
 
 @pytest.mark.parametrize("ratio", [0.02, 0.2, 0.7])
@@ -125,16 +125,16 @@ def test_radiation_damping_is_of_pulses_and_slows_every_one_mass_model(column) -
 
 @pytest.mark.parametrize("share", [0.55, 0.75, 0.9])
 def test_ductility_under_a_step(column, share) -> None:
-    found = peak(column, Pulse("ramp", share * STRENGTH, 1e-6), 0.2) * STIFFNESS / STRENGTH
-    assert found == pytest.approx(1.0 / (2.0 * (1.0 - share)), rel=2e-3)
+    result = peak(column, Pulse("ramp", share * STRENGTH, 1e-6), 0.2) * STIFFNESS / STRENGTH
+    assert result == pytest.approx(1.0 / (2.0 * (1.0 - share)), rel=2e-3)
 
 
 @pytest.mark.parametrize("ductility", [1.5, 5.0, 20.0])
 def test_ductility_under_an_impulse(column, ductility) -> None:
     impulse = STRENGTH / OMEGA * sqrt(2.0 * ductility - 1.0)
     length = 0.01 / OMEGA
-    found = peak(column, Pulse("rectangular", impulse / length, length), 0.05)
-    assert found * STIFFNESS / STRENGTH == pytest.approx(ductility, rel=5e-3)
+    result = peak(column, Pulse("rectangular", impulse / length, length), 0.05)
+    assert result * STIFFNESS / STRENGTH == pytest.approx(ductility, rel=5e-3)
 
 
 # (R, F) of the reactions, UFC 3-340-02
@@ -154,11 +154,11 @@ def test_dynamic_reactions_are_those_of_the_tables(case) -> None:
         moved = np.full(2, stage.start + 1e-9)
         resisted = stage.load + 1e-9 * stage.stiffness
         load = np.array([0.0, 1.0])
-        found = dynamic_reactions(stages, force == 0.0, moved, np.full(2, resisted), load)
-        np.testing.assert_allclose(found[0], found[1])
+        result = dynamic_reactions(stages, force == 0.0, moved, np.full(2, resisted), load)
+        np.testing.assert_allclose(result[0], result[1])
         if resisted > 1e-6:  # the tables round 0.375 and 0.125 to 0.38 and 0.12
-            assert found[0, 0] / resisted == pytest.approx(of_resistance, abs=0.0051)
-        assert found[0, 1] - found[0, 0] == pytest.approx(of_load, abs=0.0051)
+            assert result[0, 0] / resisted == pytest.approx(of_resistance, abs=0.0051)
+        assert result[0, 1] - result[0, 0] == pytest.approx(of_load, abs=0.0051)
 
 
 @pytest.mark.parametrize("case", REACTIONS)
@@ -170,9 +170,9 @@ def test_reactions_after_the_peak_go_with_what_is_left_of_the_resistance(case) -
     for left in (0.5, -0.2):
         back = top - (1.0 - left) * last.load / first.stiffness
         moved, resisted = np.array([top, back]), last.load * np.array([1.0, left])
-        found = dynamic_reactions(stages, force == 0.0, moved, resisted, np.zeros(2))
-        np.testing.assert_allclose(found[0], found[1])
-        assert found[0, 1] / resisted[1] == pytest.approx(rows[-1][0], abs=0.0051)
+        result = dynamic_reactions(stages, force == 0.0, moved, resisted, np.zeros(2))
+        np.testing.assert_allclose(result[0], result[1])
+        assert result[0, 1] / resisted[1] == pytest.approx(rows[-1][0], abs=0.0051)
 
 
 def test_masses_of_stages_change_on_either_swing(column) -> None:
@@ -195,9 +195,9 @@ def test_reactions_of_an_eccentric_member_at_rest_are_static(thesis_impact) -> N
     stages = Biggs().stages(column)
     load = 0.5 * stages[1].load
     moved, force = np.array([load / stages[0].stiffness]), np.array([load])
-    found = dynamic_reactions(stages, False, moved, force, force)[:, 0]
-    np.testing.assert_allclose(found.sum(), load)  # fixed beam: P b^2 (3 a + b) / L^3 at the base
-    assert found[0] == pytest.approx(load * b**2 * (3.0 * a + b) / length**3)
+    result = dynamic_reactions(stages, False, moved, force, force)[:, 0]
+    np.testing.assert_allclose(result.sum(), load)  # fixed beam: P b^2 (3 a + b) / L^3 at the base
+    assert result[0] == pytest.approx(load * b**2 * (3.0 * a + b) / length**3)
 
 
 def simple(load: str, peak: float, pulse_length: float = 10.0) -> MemberPulse:
@@ -208,8 +208,12 @@ def simple(load: str, peak: float, pulse_length: float = 10.0) -> MemberPulse:
 
 def test_a_step_on_an_elastic_beam_is_the_sum_of_its_modes() -> None:
     scenario = simple("uniform", 1e4)
-    own, steel = scenario.column.properties, scenario.column.steel
-    EI, mass, length = steel.elastic_modulus * own.second_moment, own.mass_per_length, 4.0
+    properties, steel = scenario.column.properties, scenario.column.steel
+    EI, mass, length = (
+        steel.elastic_modulus * properties.second_moment,
+        properties.mass_per_length,
+        4.0,
+    )
     time = np.linspace(0.0, 0.04, 2001)
     exact = np.zeros_like(time)
     for n in range(1, 20, 2):
@@ -265,13 +269,13 @@ def test_a_line_load_deflects_the_member_as_in_the_table() -> None:
         ("clamped", "pinned", 1 / 192),
     ):
         beam = Column(find("IPE 100"), 3.0, 3.0, base=base, head=head)
-        own = beam.properties
-        stiffness = beam.steel.elastic_modulus * own.second_moment / 6.0**3 / flexibility
+        properties = beam.properties
+        stiffness = beam.steel.elastic_modulus * properties.second_moment / 6.0**3 / flexibility
         curve = SingleDof().curve(beam, uniform=True)
         assert 2.0 * curve.initial_stiffness == pytest.approx(stiffness, rel=0.02)  # shear
         loaded = SingleDof().curve(replace(beam, axial_load=2e4), uniform=True)
         euler = (2.0 if head == "pinned" else 4.0) ** (base != "pinned") * pi**2
-        euler *= beam.steel.elastic_modulus * own.second_moment / 36.0
+        euler *= beam.steel.elastic_modulus * properties.second_moment / 36.0
         ratio = loaded.initial_stiffness / curve.initial_stiffness
         assert ratio == pytest.approx(1.0 - 2e4 / euler, abs=0.01)
 
@@ -282,8 +286,8 @@ def advice(model: Model, scenario: MemberPulse) -> list[Finding]:
 
 def test_an_answer_under_a_pulse_is_told_its_error() -> None:
     scenario = beam_under(0.8, 2.0, "uniform")
-    (told,) = [f for f in advice(Biggs(), scenario) if f.subject == "error"]
-    assert "expect -" in told.text
+    (finding,) = [f for f in advice(Biggs(), scenario) if f.subject == "error"]
+    assert "expect -" in finding.text
     elastic = replace(scenario, pulse=replace(scenario.pulse, peak=0.2 * scenario.pulse.peak))
     assert not [f for f in advice(FlexibleSuperelement(), elastic) if f.subject == "error"]
     assert not [f for f in warnings_of(SingleDof().simulate(scenario)) if f.subject == "error"]
@@ -306,8 +310,8 @@ def test_a_member_is_a_frame_of_two() -> None:
         alone, framed = model.simulate(scenario), model.simulate(frame_scenario(scenario))
         np.testing.assert_array_equal(alone["displacement"], framed["displacement"])
         assert float(alone["dissipated"][-1]) > 1e3
-        told = {finding.subject for finding in warnings_of(alone)}
-        assert "line-load" not in told  # cut by itself
+        findings = {finding.subject for finding in warnings_of(alone)}
+        assert "line-load" not in findings  # cut by itself
         coarse = {finding.subject for finding in FlexibleSuperelement(elements=1).domain(scenario)}
         assert ("line-load" in coarse) == (load == "uniform")
 
@@ -342,11 +346,11 @@ def test_no_advice_leads_to_fiber_shear_where_a_pulse_shears_webs_off(column) ->
     weaker = MemberPulse("weaker", column, replace(pulse, peak=0.7 * pulse.peak), "point")
     line = MemberPulse("line", column, replace(pulse, peak=pulse.peak / 4.0), "uniform")
     for model in (FiberShear(), FlexibleSuperelement(), Biggs()):
-        told = [
+        findings = [
             "direct-shear" in {finding.subject for finding in model.domain(scenario)}
             for scenario in (punched, weaker, line)
         ]
-        assert told == [True, False, isinstance(model, Biggs)]
+        assert findings == [True, False, isinstance(model, Biggs)]
     short = Column(find("HEB 260"), 1.1, 4.7)
     for model, expected in ((FiberShear(), True), (FlexibleSuperelement(), False)):
         long = MemberPulse("long", short, Pulse("triangular", 6e5, 0.06))
@@ -358,8 +362,8 @@ def test_no_advice_leads_to_fiber_shear_where_a_pulse_shears_webs_off(column) ->
 
 def warned(model: Biggs, scenario: MemberPulse) -> str:
     """What a model says of direct shear, as it answers."""
-    (found,) = (f for f in advice(model, scenario) if f.subject == "direct-shear")
-    return found.remedy
+    (finding,) = (f for f in advice(model, scenario) if f.subject == "direct-shear")
+    return finding.remedy
 
 
 def test_hinges_under_a_line_load_carry_that_of_limit_analysis(column) -> None:
@@ -382,8 +386,8 @@ def test_energies_and_warnings(column) -> None:
         subjects = {finding.subject for finding in advice(SingleDof(), scenario)}
         assert {"error", "error-not-measured"} & subjects
     soft = MemberPulse("soft", column, Pulse("rectangular", 3.5e5, 0.01), "point", 0.1)
-    told = [finding.text for finding in SingleDof().domain(short)]
-    assert any("direct shear" in text for text in told)
+    findings = [finding.text for finding in SingleDof().domain(short)]
+    assert any("direct shear" in text for text in findings)
     assert not any("direct shear" in f.text for f in SingleDof().domain(soft))
     response = Biggs().simulate(replace(short, load="uniform"))
     assert "elastic" not in response  # not those of the member

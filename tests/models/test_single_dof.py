@@ -306,11 +306,11 @@ def test_explicit_scheme_loses_energy_at_second_order(thesis_impact) -> None:
 @pytest.mark.parametrize("restitution", [0.3, 0.5, 0.8, 1.0])
 def test_repeated_impacts_are_stepped_on_to(thesis_impact, restitution) -> None:
     impact = at(thesis_impact, restitution=restitution, duration=0.05)
-    own, fine = SingleDof().simulate(impact), SingleDof(time_step=4e-7).simulate(impact)
+    response, fine = SingleDof().simulate(impact), SingleDof(time_step=4e-7).simulate(impact)
     for name in ("peak_displacement", "residual_displacement"):
         # measured 1.1e-4 at 0.8
-        assert float(own[name]) == pytest.approx(float(fine[name]), rel=3e-4)
-    assert float(own["contact_loss"][-1]) == pytest.approx(
+        assert float(response[name]) == pytest.approx(float(fine[name]), rel=3e-4)
+    assert float(response["contact_loss"][-1]) == pytest.approx(
         float(fine["contact_loss"][-1]), rel=3e-3, abs=1e-5 * impact.input_energy
     )  # measured 1.3e-3 at 0.8
 
@@ -597,14 +597,14 @@ def test_batch_gives_the_numbers_of_single_runs(thesis_impact) -> None:
 
 def test_long_steps_of_the_push_keep_peak_force_and_ledger(thesis_impact) -> None:
     """Against equal steps of 2 microseconds."""
-    own, fine = (
+    response, fine = (
         SingleDof().simulate(thesis_impact),
         SingleDof(time_step=2e-6).simulate(thesis_impact),
     )
     for name, bound in (("peak_displacement", 1e-4), ("impulse", 1e-3), ("peak_force", 0.03)):
-        assert float(own[name]) == pytest.approx(float(fine[name]), rel=bound)
-    assert len(own["time"]) < 400
-    assert float(np.abs(own["balance_error"]).max()) < 1e-12 * thesis_impact.input_energy
+        assert float(response[name]) == pytest.approx(float(fine[name]), rel=bound)
+    assert len(response["time"]) < 400
+    assert float(np.abs(response["balance_error"]).max()) < 1e-12 * thesis_impact.input_energy
 
 
 def test_a_record_may_end_as_the_column_begins_to_swing_freely() -> None:

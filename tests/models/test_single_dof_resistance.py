@@ -240,11 +240,11 @@ def test_distance_of_the_shapes_to_the_four_dof_column(thesis_impact, thesis) ->
         ColumnPushover("figure 5.8", thesis_impact.column, 0.7)
     )
     v, force = response["displacement"].values, response["force"].values
-    found = [
+    values = [
         np.sqrt(np.mean((thesis[shape].force(v) - force) ** 2) / np.mean(force**2))
         for shape in RESISTANCES
     ]
-    np.testing.assert_allclose(found, [0.138, 0.125, 0.091], atol=5e-4)
+    np.testing.assert_allclose(values, [0.138, 0.125, 0.091], atol=5e-4)
 
 
 def test_hinge_values_satisfy_equilibrium_and_the_flow_rule(thesis) -> None:
@@ -410,9 +410,9 @@ def test_unknown_axial_force_and_moments_are_not_invented(thesis) -> None:
 def test_plateau_of_panels_in_closed_form() -> None:
     # five digits of an own evaluation of R0 = Vpl + Vb, Vb Lb = Mf + Mc(Vb); 2 m: V L = 2 Mc(V)
     surface = ShearSurface(find("HEB 220").without_fillets(), depth="clear")
-    found = [plateau(surface, (below, 4.0 - below)) for below in (0.4, 0.8, 2.0)]
-    assert found == pytest.approx([515.2e3, 533.7e3, 549.2e3], rel=1e-4)
-    assert plateau(surface, (3.2, 0.8)) == found[1]
+    values = [plateau(surface, (below, 4.0 - below)) for below in (0.4, 0.8, 2.0)]
+    assert values == pytest.approx([515.2e3, 533.7e3, 549.2e3], rel=1e-4)
+    assert plateau(surface, (3.2, 0.8)) == values[1]
     assert transition_length(surface) == pytest.approx(1.39, abs=5e-3)
 
 

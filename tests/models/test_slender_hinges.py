@@ -38,8 +38,8 @@ def test_resistance_is_that_of_the_class(section: Section) -> None:
     moment = share * frame.properties("leg").plastic_moment
     assert whole * 4.0 == pytest.approx(frame.properties("leg").plastic_moment, rel=2e-3)
     assert float(reduced["resistance"]) * 4.0 == pytest.approx(moment, rel=2e-3)
-    told = [f for f in findings_of(reduced) if f.subject == "local-buckling"]
-    assert [f.number for f in told] == ([] if share == 1.0 else [pytest.approx(share)])
+    findings = [f for f in findings_of(reduced) if f.subject == "local-buckling"]
+    assert [f.number for f in findings] == ([] if share == 1.0 else [pytest.approx(share)])
 
 
 def test_compression_squashes_what_plates_leave() -> None:
@@ -75,16 +75,16 @@ def test_lateral_torsional_buckling_is_told(length: float, subject: str) -> None
     portal = regular_frame((6.0,), (4.0,), square(0.2), find("IPE 300"))
     push = replace(of(HEB), frame=portal, loads=(replace(of(HEB).loads[0], node="A1"),), node="A1")
     response = RefinedPlasticHinge(unbraced_length=length).simulate(push)
-    (told,) = (f for f in findings_of(response) if f.subject.startswith("lateral"))
-    assert told.subject == f"lateral-{subject}"
-    assert told.outside == (told.number > 1.0) == (subject == "torsional")
+    (finding,) = (f for f in findings_of(response) if f.subject.startswith("lateral"))
+    assert finding.subject == f"lateral-{subject}"
+    assert finding.outside == (finding.number > 1.0) == (subject == "torsional")
     beam = portal.members[-1]
     at = [i for i, name in enumerate(response["hinge"].values) if name.startswith(beam.name)]
     moment = float(np.abs(response["moment"].values[at]).max())
     strength = portal.properties(beam).plastic_moment
     chi = lateral_torsional(beam.section.shape, portal.steel, length, strength)
-    assert told.number == pytest.approx(moment / chi.resistance)
-    assert f"utilisation {told.number:.2f} of member {beam.name}" in told.text
+    assert finding.number == pytest.approx(moment / chi.resistance)
+    assert f"utilisation {finding.number:.2f} of member {beam.name}" in finding.text
     same = RefinedPlasticHinge().simulate(push)
     assert np.array_equal(same["force"].values, response["force"].values)
     solid = replace(push, frame=regular_frame((6.0,), (4.0,), square(0.2), square(0.2)))

@@ -28,17 +28,17 @@ def weak(thesis_impact: ColumnImpact) -> ColumnImpact:
 def test_elastic_masses_move_in_their_two_modes(weak: ColumnImpact) -> None:
     model = SoftImpact(striker_stiffness=2e7)
     response = model.simulate(weak)
-    own = model.curve(weak).initial_stiffness
+    given = model.curve(weak).initial_stiffness
     masses = weak.striker.mass, weak.column.properties.impact_mass
-    stiffness = np.array([[2e7, -2e7], [-2e7, 2e7 + own]])
+    stiffness = np.array([[2e7, -2e7], [-2e7, 2e7 + given]])
     squares, modes = eigh(stiffness, np.diag(masses))
     omega, part = np.sqrt(squares), modes[0] * masses[0] * weak.striker.velocity
     time = response["time"].values
     exact = (modes * (part / omega)) @ np.sin(np.outer(omega, time))
     together = np.cumsum(exact[0] - exact[1] < 0.0) == 0  # until the spring would pull
     assert together.sum() > 400
-    found = response["displacement"].values[together]
-    error = np.abs(found - exact[1][together]).max() / exact[1][together].max()
+    result = response["displacement"].values[together]
+    error = np.abs(result - exact[1][together]).max() / exact[1][together].max()
     assert error < 4e-4  # measured 1.8e-4
     assert float(response["residual_displacement"]) == 0.0
 
@@ -106,12 +106,12 @@ def test_what_a_run_has_not_reached_is_said_or_left_out(thesis_impact: ColumnImp
     still = replace(thesis_impact, duration=0.0985)  # the car pushes on, the column swings
     response = SoftImpact().simulate(still)
     assert response["displacement"].values.argmax() < response.sizes["time"] - 1
-    found = {finding.subject: finding for finding in warnings_of(response)}
+    findings = {finding.subject: finding for finding in warnings_of(response)}
     assert "peak_displacement" not in response
     assert survives(response) is None
-    assert "0.22 s" in found["no-peak"].remedy
-    assert "300 kN/m" in found["estimate"].text
-    assert "shear" not in found  # no mechanism forms
+    assert "0.22 s" in findings["no-peak"].remedy
+    assert "300 kN/m" in findings["estimate"].text
+    assert "shear" not in findings  # no mechanism forms
     longer = SoftImpact().simulate(replace(thesis_impact, duration=0.3))
     assert "no-peak" not in {finding.subject for finding in warnings_of(longer)}
     assert float(longer["peak_displacement"]) > float(response["displacement"].max())

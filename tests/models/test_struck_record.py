@@ -35,16 +35,16 @@ def both(
 
     Until the frame collapses, if it does; then what is said of that is in `kept` of both.
     """
-    own, records, parts, before = impact.striker, [], [], 0.0
+    given, records, parts, before = impact.striker, [], [], 0.0
     step = impact.duration / 1500  # in two parts
     pace = Pace(impact.duration, step, step, inf, inf, inf, 0.0, 100_000)
-    mass = PointMass(own.mass, own.velocity, own.restitution)
+    mass = PointMass(given.mass, given.velocity, given.restitution)
     for kind in (StruckRecord, Record):
         structure, parts = model.structure(impact), [*parts, 0]
-        record = kind(structure, own.node, own.direction, impact.duration)
+        record = kind(structure, given.node, given.direction, impact.duration)
         records.append(record)
-        dof, assembly = structure.dof(own.node, own.direction)[0], structure.assembly
-        limits = StruckRecord(structure, own.node, own.direction, impact.duration).limits
+        dof, assembly = structure.dof(given.node, given.direction)[0], structure.assembly
+        limits = StruckRecord(structure, given.node, given.direction, impact.duration).limits
         try:
             for several in follow_impact(assembly, dof, mass, pace, limits):
                 parts[-1] += 1
@@ -72,17 +72,17 @@ def test_many_states_at_a_time_read_as_one_by_one(
     impact = as_frame(replace(thesis_impact.at_velocity(8.0), duration=0.03))
     assert isinstance(impact, FrameImpact)
     compiled, plain = both(model, impact)
-    found, expected = compiled.states(), plain.states()
+    result, expected = compiled.states(), plain.states()
     names = ("at", "displacement", "velocity", "elastic")
-    found |= compiled.columns(*names) | {"dissipated": compiled.dissipated}
+    result |= compiled.columns(*names) | {"dissipated": compiled.dissipated}
     expected |= plain.columns(*names) | {"dissipated": plain.dissipated}
-    found["unyielding"], expected["unyielding"] = (r.unyielding_shear() for r in (compiled, plain))
-    assert found.keys() == expected.keys()
-    assert len(found["snapshot_at"]) > 50
+    result["unyielding"], expected["unyielding"] = (r.unyielding_shear() for r in (compiled, plain))
+    assert result.keys() == expected.keys()
+    assert len(result["snapshot_at"]) > 50
     for name, values in expected.items():
         scale = np.abs(values).max()
         np.testing.assert_allclose(
-            found[name], values, rtol=1e-13, atol=1e-14 * scale, err_msg=name
+            result[name], values, rtol=1e-13, atol=1e-14 * scale, err_msg=name
         )
     assert np.abs(expected["plastic_rotation"]).max() > 1e-3
 
@@ -92,14 +92,14 @@ def test_a_collapse_is_found_in_the_same_state(
 ) -> None:
     impact = as_frame(thesis_impact.at_velocity(80.0))
     assert isinstance(impact, FrameImpact)
-    said = [r.structure.kept["collapse"] for r in both(RigidSuperelement(), impact)]
-    assert said[0] == said[1]
+    values = [r.structure.kept["collapse"] for r in both(RigidSuperelement(), impact)]
+    assert values[0] == values[1]
 
 
 def frozen(response: Response) -> list[object]:
     """All that a response says, but times."""
-    said = [(n, v.dims, v.values.tolist(), dict(v.attrs)) for n, v in response.variables.items()]
-    return [said, {n: v for n, v in response.attrs.items() if "time" not in n}]
+    values = [(n, v.dims, v.values.tolist(), dict(v.attrs)) for n, v in response.variables.items()]
+    return [values, {n: v for n, v in response.attrs.items() if "time" not in n}]
 
 
 def test_responses_of_one_structure_share_nothing_that_can_be_changed(

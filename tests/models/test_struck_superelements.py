@@ -93,8 +93,8 @@ def test_a_hit_near_a_joint_keeps_its_energy() -> None:
     peak = float(FiberShear(levels=1).simulate(impact)["peak_displacement"])
     for model in MODELS:
         one = float(replace(model, elements=1).simulate(impact)["peak_displacement"]) / peak
-        own = float(model.simulate(impact)["peak_displacement"]) / peak
-        assert abs(own - 1.0) < 0.07 < abs(one - 1.0)
+        response = float(model.simulate(impact)["peak_displacement"]) / peak
+        assert abs(response - 1.0) < 0.07 < abs(one - 1.0)
 
 
 def test_elastic_columns_do_not_ring_with_the_number_of_elements() -> None:
@@ -110,17 +110,17 @@ def test_elastic_columns_do_not_ring_with_the_number_of_elements() -> None:
 
 def test_accuracy_is_what_it_costs() -> None:
     """Peaks of steps by error within what was asked for, with fewer evaluations the less it is."""
-    own = {"axial_load": 5e5, "restraint_stiffness": 1e7}
-    column = Column(find("HEB 220"), 0.8, 3.2, fillets=False, **own)
+    given = {"axial_load": 5e5, "restraint_stiffness": 1e7}
+    column = Column(find("HEB 220"), 0.8, 3.2, fillets=False, **given)
     impact = ColumnImpact("hit", column, Striker(1500.0, 15.0), 0.06)
-    found = {}
+    values = {}
     for accuracy in (1e-2, 1e-3, 1e-4, 1e-5):
         answer = RigidSuperelement(elements=1, accuracy=accuracy).simulate(impact)
-        found[accuracy] = float(answer["peak_displacement"]), answer.attrs["newton_iterations"]
-    peak, _ = found[1e-5]
+        values[accuracy] = float(answer["peak_displacement"]), answer.attrs["newton_iterations"]
+    peak, _ = values[1e-5]
     for accuracy in (1e-2, 1e-3, 1e-4):
-        assert found[accuracy][0] == pytest.approx(peak, rel=accuracy)
-    spent = [evaluations for _, evaluations in found.values()]
+        assert values[accuracy][0] == pytest.approx(peak, rel=accuracy)
+    spent = [evaluations for _, evaluations in values.values()]
     assert spent == sorted(spent)
     assert 2 * spent[0] < spent[1] * 1.3 < spent[2]
 
@@ -154,10 +154,10 @@ def test_peaks_that_come_late_are_told_from_first_ones() -> None:
     push = np.where(time < 0.004, 1.0, 0.0)
     for share, late in ((0.5, 0.0), (0.995, 0.0785), (1.2, 0.0785)):
         wave = 0.02 * np.where(time < 0.05, 1.0, share) * np.sin(100.0 * time)
-        told = time, wave, np.gradient(wave, time), push
-        assert late_peak(pace, 0.0, *told) == pytest.approx(late, abs=2e-3)
-        assert late_peak(pace, 0.09, *told) == 0.0
-        assert late_peak(pace._replace(error=np.inf), 0.0, *told) == 0.0
+        statements = time, wave, np.gradient(wave, time), push
+        assert late_peak(pace, 0.0, *statements) == pytest.approx(late, abs=2e-3)
+        assert late_peak(pace, 0.09, *statements) == 0.0
+        assert late_peak(pace._replace(error=np.inf), 0.0, *statements) == 0.0
 
 
 @pytest.mark.parametrize("restitution", [0.6, 1.0])

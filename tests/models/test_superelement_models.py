@@ -107,8 +107,8 @@ def test_rigid_bars_are_exact_in_sway() -> None:
     stiffer = FlexibleSuperelement(alpha=1, beta=1, hinge_stiffness=1e6)
     for model, tolerance in ((RigidSuperelement(), 2e-3), (stiffer, 2e-3)):
         response = answered(model.simulate(push))
-        found = float(response["force"][-1] / response["displacement"][-1])
-        assert found == pytest.approx(expected, rel=tolerance)  # measured 1.25e-3
+        stiffness = float(response["force"][-1] / response["displacement"][-1])
+        assert stiffness == pytest.approx(expected, rel=tolerance)  # measured 1.25e-3
 
 
 def test_storeys_drift_as_a_whole_and_hinges_tell_their_extremes() -> None:
@@ -143,8 +143,8 @@ def test_a_web_that_slides_turns_no_hinge(model) -> None:
             turned, slid = 0.0, plastic
             shear = frame.properties("m").shear_resistance
             assert force[-1] == pytest.approx(shear, rel=0.25)  # that of the web alone
-        found = float(response["largest_plastic_rotation"])
-        assert found == pytest.approx(turned, rel=0.02, abs=1e-9)
+        value = float(response["largest_plastic_rotation"])
+        assert value == pytest.approx(turned, rel=0.02, abs=1e-9)
         assert float(response["largest_sliding"]) == pytest.approx(slid, abs=0.015 * moved)
         assert response["sliding"].dims[0] == "segment"
 
@@ -165,8 +165,8 @@ def test_semi_rigid_joints(joint) -> None:
     expected = 2.0 * condensed / 4.0**2
     push = FrameStatic("sway", frame, (Load("A1", x=1.0),), "A1", "x", (1e-5,))
     response = answered(FlexibleSuperelement(hinge_stiffness=1e6).simulate(push))
-    found = float(response["force"][-1] / response["displacement"][-1])
-    assert found == pytest.approx(expected, rel=1e-3)  # measured 4.7e-4
+    value = float(response["force"][-1] / response["displacement"][-1])
+    assert value == pytest.approx(expected, rel=1e-3)  # measured 4.7e-4
 
 
 def test_a_partial_strength_joint_yields_at_its_own_moment() -> None:
@@ -471,9 +471,9 @@ def test_a_column_under_pinned_beams_is_a_cantilever() -> None:
         response = answered(model.simulate(push))
         column = frame.properties("A0-A1")
         stiffness = 6.0 * frame.steel.elastic_modulus * column.second_moment / height**3
-        found = float(response["force"][-1] / response["displacement"][-1])
+        value = float(response["force"][-1] / response["displacement"][-1])
         # measured 0.048
-        assert found == pytest.approx(stiffness, rel=tolerance)  # flexible: hinges in series
+        assert value == pytest.approx(stiffness, rel=tolerance)  # flexible: hinges in series
 
 
 def test_a_weak_joint_whose_axial_force_changes_its_sign() -> None:
@@ -587,8 +587,8 @@ def test_members_alike_are_told_of_once() -> None:
     frame = portal(section=i_section(0.8, 0.2, 0.006, 0.012))
     mixed = replace(frame, members=(*frame.members[:2], replace(frame.members[2], section=SQUARE)))
     hit = FrameImpact("hit", mixed, FrameStriker(1000.0, 5.0, node="A1"), 0.02)
-    (told,) = (f.text for f in RigidSuperelement().domain(hit) if f.subject == "shear-buckling")
-    assert "member A0-A1 (and 1 alike)" in told
+    (finding,) = (f.text for f in RigidSuperelement().domain(hit) if f.subject == "shear-buckling")
+    assert "member A0-A1 (and 1 alike)" in finding
 
 
 def test_panels_of_default_members_have_the_strength_of_fibers() -> None:
@@ -632,14 +632,14 @@ def test_default_members_follow_fibers_that_yield_in_shear(scenario) -> None:
 def test_a_short_i_section_member_warns_of_shear(thesis_impact) -> None:
     frame = frame_of(thesis_impact.column)
     impact = FrameImpact("hit", frame, FrameStriker(1500.0, 10.0, node="hit"), 0.03)
-    said = {}
+    values = {}
     for shear in ("none", "panel"):
         response = answered(RigidSuperelement(shear=shear).simulate(impact))
-        said[shear] = {finding.subject for finding in warnings_of(response)}
+        values[shear] = {finding.subject for finding in warnings_of(response)}
     # the run has found what the mechanism had announced, and says it alone
-    assert "shear" in {found.subject for found in RigidSuperelement(shear="none").domain(impact)}
-    assert {"shear", "shear-reached"} & said["none"] == {"shear-reached"}
-    assert not {"shear", "shear-reached"} & said["panel"]
+    assert "shear" in {result.subject for result in RigidSuperelement(shear="none").domain(impact)}
+    assert {"shear", "shear-reached"} & values["none"] == {"shear-reached"}
+    assert not {"shear", "shear-reached"} & values["panel"]
     assert float(response["shear_utilisation"].max()) <= 1.0 + 1e-9
 
 

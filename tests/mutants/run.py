@@ -157,8 +157,8 @@ def main() -> int:
             return 2
         noticed = 0
         with ProcessPoolExecutor(asked.jobs, get_context("fork")) as pool:
-            found = pool.map(partial(tried, directory), listed)
-            for fault, (verdict, seconds) in zip(listed, found, strict=True):
+            result = pool.map(partial(tried, directory), listed)
+            for fault, (verdict, seconds) in zip(listed, result, strict=True):
                 noticed += verdict == NOTICED
                 print(f"{verdict:12} {seconds:5.0f} s  {fault}", flush=True)
     print(f"{noticed} of {len(listed)} faults noticed, {100 * noticed / len(listed):.0f} %")

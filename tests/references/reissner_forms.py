@@ -99,14 +99,14 @@ def _fields(
     """Directors at the quadrature points, at the end or, in a time step, in the mean."""
     rotation, slope = _at_points(basis, end)
     if not dynamic:
-        found = directors(initial, rotation, initial + slope)
+        result = directors(initial, rotation, initial + slope)
     else:
         rotation0, slope0 = _at_points(basis, start)
         half = 0.5 * (rotation - rotation0)
         middle = directors(initial, 0.5 * (rotation0 + rotation), initial + 0.5 * (slope0 + slope))
         share = np.sinc(half / np.pi)
-        found = Directors(np.cos(half) * middle.a, np.cos(half) * middle.b, share * middle.turn)
-    return {name: value[..., None] for name, value in found._asdict().items()}
+        result = Directors(np.cos(half) * middle.a, np.cos(half) * middle.b, share * middle.turn)
+    return {name: value[..., None] for name, value in result._asdict().items()}
 
 
 def _at_points(basis: Any, x: Array) -> tuple[Array, Array]:

@@ -217,8 +217,8 @@ def test_a_mesh_that_crumples_is_followed_by_a_coarser_one_within_a_percent():
     column = replace(column, axial_load=0.3 * column.properties.squash_load)
     impact = ColumnImpact("crumples", column, Striker(1500.0, 11.0), 0.03)
     response = FiberCorotational(levels=1).simulate(impact)
-    (told,) = (f for f in warnings_of(response) if "crumples" in f.text)
-    assert "elements 2 times as long" in told.text
+    (finding,) = (f for f in warnings_of(response) if "crumples" in f.text)
+    assert "elements 2 times as long" in finding.text
     assert json.loads(response.attrs["options"])["refinement"] == 1
     beam = FiberReissner(levels=1).simulate(impact)
     peak = float(beam["peak_displacement"])
@@ -230,10 +230,10 @@ def test_overrides_that_fibers_cannot_follow_are_told():
     model = FiberCorotational(levels=1)
     assert "section" not in [f.subject for f in model.domain(ColumnPushover("a", near))]
     far = replace(near, plastic_moment=4e5, area=91.9e-4)
-    found = [f for f in model.domain(ColumnPushover("b", far)) if f.subject == "section"]
-    assert len(found) == 1
-    assert "plastic_moment = 4e+05 against" in found[0].text
-    assert "area" not in found[0].text
+    findings = [f for f in model.domain(ColumnPushover("b", far)) if f.subject == "section"]
+    assert len(findings) == 1
+    assert "plastic_moment = 4e+05 against" in findings[0].text
+    assert "area" not in findings[0].text
 
 
 def test_options_are_checked():

@@ -215,8 +215,8 @@ def pinned() -> tuple[ColumnImpact, float]:
 @pytest.mark.parametrize(("weight", "error"), [(0.5, 0.004), (0.55, 0.03)])
 def test_undamped_steps_are_nearer_to_short_ones(pinned, weight, error) -> None:
     scenario, limit = pinned
-    found = peak(FiberReissner(levels=1, refinement=-2, weight=weight).simulate(scenario))
-    assert 0.5 * error * (weight > 0.5) < abs(found / limit - 1.0) < error
+    response = peak(FiberReissner(levels=1, refinement=-2, weight=weight).simulate(scenario))
+    assert 0.5 * error * (weight > 0.5) < abs(response / limit - 1.0) < error
 
 
 @pytest.mark.usefixtures("few_load_steps")

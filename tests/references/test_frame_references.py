@@ -205,8 +205,8 @@ def test_superelements_against_the_converged_reference(thesis_frame) -> None:
         FlexibleSuperelement(): 0.025,
     }
     for model, excess in excesses.items():
-        found = float(model.simulate(thesis_frame)["peak_displacement"]) / limit - 1.0
-        assert found == pytest.approx(excess, abs=0.005)
+        peak = float(model.simulate(thesis_frame)["peak_displacement"]) / limit - 1.0
+        assert peak == pytest.approx(excess, abs=0.005)
 
 
 def test_explicit_steps_give_the_same_peak(thesis_frame) -> None:
@@ -237,38 +237,40 @@ def test_a_column_or_a_frame_is_the_same_structure(thesis_impact, kind, event, b
         Node("struck", 0.0, column.length_below),
         Node("top", 0.0, column.length, "guide-y", mass=200.0, spring_y=spring, locked=locked),
     )
-    own = {name: getattr(column, name) for name in OVERRIDES}
+    values = {name: getattr(column, name) for name in OVERRIDES}
     members = (
-        Member("lower", "foot", "struck", column.section, **own),
-        Member("upper", "struck", "top", column.section, **own),
+        Member("lower", "foot", "struck", column.section, **values),
+        Member("upper", "struck", "top", column.section, **values),
     )
     frame = Frame(nodes, members, (load,), steel=column.steel, fillets=column.fillets)
     striker = FrameStriker(impact.striker.mass, impact.striker.velocity, node="struck")
     if event == "push":
-        told = FrameStatic("push", frame, (Load("struck", x=1.0),), "struck", "x", (0.1,))
+        statements = FrameStatic("push", frame, (Load("struck", x=1.0),), "struck", "x", (0.1,))
     else:
-        told = FrameImpact("hit", frame, striker, 0.02)
-    expected, found = (run(kind, given, 0.05, 0.2) for given in (scenario, told))
+        statements = FrameImpact("hit", frame, striker, 0.02)
+    expected, result = (run(kind, given, 0.05, 0.2) for given in (scenario, statements))
     for name in ("displacement", "force", "dissipated", "elastic", "percussion", "axial_force"):
         if name in expected:
             scale = float(np.abs(expected[name]).max())
             np.testing.assert_allclose(
-                found[name].values, expected[name].values, rtol=0.0, atol=1e-9 * scale
+                result[name].values, expected[name].values, rtol=0.0, atol=1e-9 * scale
             )
     for name in ("moment", "plastic_rotation"):  # a column counts moments the other way round
         scale = float(np.abs(expected[name]).max())
         np.testing.assert_allclose(
-            -found[name].values, expected[name].values, rtol=0.0, atol=1e-9 * scale
+            -result[name].values, expected[name].values, rtol=0.0, atol=1e-9 * scale
         )
-    np.testing.assert_allclose(found["shear_utilisation"], expected["shear_utilisation"], rtol=1e-9)
+    np.testing.assert_allclose(
+        result["shear_utilisation"], expected["shear_utilisation"], rtol=1e-9
+    )
 
 
 def test_both_take_the_same_mesh_and_steps(thesis_impact: ColumnImpact) -> None:
     for kind in REFERENCES.values():
         for scenario in (thesis_impact, ColumnPushover("push", thesis_impact.column, 0.1)):
-            model, told = kind(), frame_scenario(scenario)
-            for own, same in zip(model.lengths(scenario), model.lengths(told), strict=True):
-                np.testing.assert_array_equal(own, same)
+            model, statements = kind(), frame_scenario(scenario)
+            for given, same in zip(model.lengths(scenario), model.lengths(statements), strict=True):
+                np.testing.assert_array_equal(given, same)
         assert model.time_spans(thesis_impact) == model.time_spans(frame_scenario(thesis_impact))
 
 
@@ -364,12 +366,12 @@ def test_findings_name_joints_overrides_and_coarse_meshes() -> None:
     beam = replace(frame.member("A1-B1"), plastic_moment=1e5)
     frame = replace(frame, members=(*frame.members[:2], beam))
     impact = FrameImpact("hit", frame, FrameStriker(1e3, 10.0, node="A1"))
-    found = model_of("fiber-reissner", 0.5, 0.5).domain(impact)
-    said = [finding.subject for finding in found]
-    assert said.count("joints") == 2
-    assert said.count("mesh") == 2
-    assert said.count("section") == 1
-    assert not any(finding.refusal for finding in found)
+    findings = model_of("fiber-reissner", 0.5, 0.5).domain(impact)
+    values = [finding.subject for finding in findings]
+    assert values.count("joints") == 2
+    assert values.count("mesh") == 2
+    assert values.count("section") == 1
+    assert not any(finding.refusal for finding in findings)
 
 
 def test_a_beam_without_joints_has_no_findings() -> None:

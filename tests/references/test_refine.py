@@ -161,9 +161,9 @@ def test_without_a_coarser_mesh_the_width_is_unknown(push) -> None:
     widths, table = answer(response)
     assert set(widths.values()) == {None}
     assert "not-converged" in table["statements"][0]
-    (said,) = refinement_warnings(response)
-    assert "unknown" in said
-    assert "2 h: not-converged" in said
+    (finding,) = refinement_warnings(response)
+    assert "unknown" in finding
+    assert "2 h: not-converged" in finding
     assert "run" not in response.coords
 
 
@@ -270,19 +270,19 @@ def answers(push, reference: str) -> Answers:
 
 def test_comparisons_use_the_width_of_a_refined_answer(push) -> None:
     metric = METRICS["relative_error"]
-    found = compare(answers(push, "plain"), "refined", "plain", "input_energy", metric)
-    assert found.uncertainty is None
-    assert "no refinement ladder" in found.note
+    result = compare(answers(push, "plain"), "refined", "plain", "input_energy", metric)
+    assert result.uncertainty is None
+    assert "no refinement ladder" in result.note
     known = answers(push, "refined")
-    found = compare(known, "plain", "refined", "input_energy", metric)
-    assert found.uncertainty is None  # one mesh alone is not exact
-    assert "levels = 1" in found.note
+    result = compare(known, "plain", "refined", "input_energy", metric)
+    assert result.uncertainty is None  # one mesh alone is not exact
+    assert "levels = 1" in result.note
     reduced = replace(known, responses={**known.responses, "plain": Plain().simulate(push)})
-    found = compare(reduced, "plain", "refined", "input_energy", metric)
+    result = compare(reduced, "plain", "refined", "input_energy", metric)
     width = json.loads(known.responses["refined"].attrs["numerical_uncertainty"])["input_energy"]
-    expected = width * found.value / found.against_value**2
-    assert found.uncertainty == pytest.approx(expected)
-    assert "observed order 1.00" in found.note
+    expected = width * result.value / result.against_value**2
+    assert result.uncertainty == pytest.approx(expected)
+    assert "observed order 1.00" in result.note
     known.responses["refined"].attrs["numerical_uncertainty"] = json.dumps({"input_energy": None})
     assert compare(reduced, "plain", "refined", "input_energy", metric).uncertainty is None
 
@@ -293,14 +293,14 @@ def test_metrics_of_curves_use_the_curves_of_the_runs(push) -> None:
         {"displacement": [0.0, push.displacement], "force": [0.0, 120.0]}, steps=2
     )
     held = replace(known, responses={**known.responses, "plain": stiff})
-    found = compare(held, "plain", "refined", "force", METRICS["area_difference"])
-    assert found.error == pytest.approx(120.0 / 104.0 - 1.0)
+    result = compare(held, "plain", "refined", "force", METRICS["area_difference"])
+    assert result.error == pytest.approx(120.0 / 104.0 - 1.0)
     # the same rule over the metric's value in each run: mesh, and fibers on the coarsest
     by_run = {e: 120.0 / (100.0 * (1.0 + e)) - 1.0 for e in (0.10, 0.06, 0.04, 0.085)}
     order = np.log2((by_run[0.06] - by_run[0.10]) / (by_run[0.04] - by_run[0.06]))
     expected = 1.25 * (by_run[0.04] - by_run[0.06]) / (2.0**order - 1.0)
     expected += 1.25 * 4.0 / 3.0 * (by_run[0.085] - by_run[0.10])
-    assert found.uncertainty == pytest.approx(expected)
+    assert result.uncertainty == pytest.approx(expected)
     alone = compare(known, "plain", "refined", "force", METRICS["area_difference"])
     assert alone.uncertainty is None
 

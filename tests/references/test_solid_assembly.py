@@ -230,9 +230,9 @@ def test_held_unknowns_stay_and_reactions_balance() -> None:
     start = case.displacement.copy()
     start[case.supports.hit] = 1e-3
     held = np.array([case.supports.hit])
-    found, reactions = equilibrium(case, case.load, start, held, 1e-8)
-    assert found.converged
+    result, reactions = equilibrium(case, case.load, start, held, 1e-8)
+    assert result.converged
     mesh = case.mesh
     ends = case.force[mesh.base[0]].sum() + case.force[mesh.head[0]].sum()
-    assert found.x[case.supports.hit] == 1e-3
+    assert result.x[case.supports.hit] == 1e-3
     assert reactions[case.supports.hit] == pytest.approx(-ends, rel=1e-8)  # measured 1.4e-9

@@ -29,18 +29,18 @@ class Point(NamedTuple):
 
 def point(F: Array, plastic: Array | None = None, hardened: float = 0.0, H: float = 0.0) -> Point:
     steel = SolidSteel(E, NU, FY, H)
-    found = material.stretched(*F)
-    start = np.array(found.strain) - (0.0 if plastic is None else plastic)
+    result = material.stretched(*F)
+    start = np.array(result.strain) - (0.0 if plastic is None else plastic)
     back = material.return_mapping(Tensor(*start), hardened, steel)
     C, D, K = np.zeros((3, 3)), np.empty((3, 4)), np.empty((4, 4))
     material.add_return_tangent(back, steel, C)
     stress = np.array(back.stress)
-    if found.area < SQUEEZED:
-        stress = stress + np.array(material.squeeze(found, E))
-        material.add_squeeze_tangent(found, E, C)
-    nominal = np.array(material.nominal_stress(found, Tensor(*stress)))
-    material.nominal_tangent(found, Tensor(*stress), C, D, K)
-    return Point(nominal, K, np.array(found.strain), np.array(back.stress))
+    if result.area < SQUEEZED:
+        stress = stress + np.array(material.squeeze(result, E))
+        material.add_squeeze_tangent(result, E, C)
+    nominal = np.array(material.nominal_stress(result, Tensor(*stress)))
+    material.nominal_tangent(result, Tensor(*stress), C, D, K)
+    return Point(nominal, K, np.array(result.strain), np.array(back.stress))
 
 
 def differences(F: Array, step: float, **state) -> Array:
@@ -121,9 +121,9 @@ def test_nominal_stress_turns_with_the_body(seed: int, angle: float) -> None:
 @given(st.lists(st.floats(-0.5, 0.5), min_size=3, max_size=3), st.floats(0.0, 0.05))
 def test_return_is_the_closest_point_on_the_yield_surface(strain: list[float], H: float) -> None:
     steel, C = SolidSteel(E, NU, FY, H * E), np.zeros((3, 3))
-    found = material.return_mapping(Tensor(*strain), 0.0, steel)
-    material.add_return_tangent(found, steel, C)
-    T, plastic, hardened = np.array(found.stress), np.array(found.flow), found.hardened
+    result = material.return_mapping(Tensor(*strain), 0.0, steel)
+    material.add_return_tangent(result, steel, C)
+    T, plastic, hardened = np.array(result.stress), np.array(result.flow), result.hardened
     compliance = np.array([[1, -NU, 0], [-NU, 1, 0], [0, 0, 2 * (1 + NU)]]) / E
     np.testing.assert_allclose(compliance @ T + plastic, strain, atol=1e-15)
     strength = FY + H * E * hardened
@@ -147,9 +147,9 @@ def test_uniaxial_hardening_has_the_slope_of_the_bar() -> None:
         low, high = -e, e  # lateral strain with no lateral stress, by bisection
         for _ in range(80):
             lateral = 0.5 * (low + high)
-            found = point(np.array([1.0 + lateral, 0.0, 0.0, 1.0 + e]), H=H)
-            low, high = (lateral, high) if found.stress[0] < 0.0 else (low, lateral)
-        stress.append(found.stress[1])
+            result = point(np.array([1.0 + lateral, 0.0, 0.0, 1.0 + e]), H=H)
+            low, high = (lateral, high) if result.stress[0] < 0.0 else (low, lateral)
+        stress.append(result.stress[1])
     slope = (stress[1] - stress[0]) / (strains[1] - strains[0])
     assert slope == pytest.approx(E * H / (E + H), rel=1e-9)
     assert stress[0] == pytest.approx(FY + slope * (0.02 - FY / E), rel=1e-9)

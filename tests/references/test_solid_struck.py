@@ -111,10 +111,10 @@ def test_frequencies_are_timoshenkos(slenderness: float) -> None:
     solid.assemble(solid.displacement)
     root = 1.0 / np.sqrt(solid.mass)
     scaled = diags_array(root) @ solid.tangent @ diags_array(root)
-    found = np.sqrt(eigsh(scaled, k=6, sigma=0.0, return_eigenvectors=False))[::-1]
+    result = np.sqrt(eigsh(scaled, k=6, sigma=0.0, return_eigenvectors=False))[::-1]
     bending = [timoshenko(column, mode) for mode in (1, 2, 3)]
     for expected in bending:
-        nearest = found[np.argmin(np.abs(found - expected))]
+        nearest = result[np.argmin(np.abs(result - expected))]
         assert nearest == pytest.approx(expected, rel=0.01)
 
 
@@ -196,11 +196,11 @@ def test_peak_of_the_thesis_column_is_that_of_its_push_by_energy(thesis_strike) 
 def test_default_answer_states_less_than_five_per_cent(velocity: float, peak: float) -> None:
     scenario = ColumnImpact("strike", THESIS, Striker(1500.0, velocity), 0.06)
     response = SolidPlaneStress().simulate(scenario)
-    found, width = float(response["peak_displacement"]), width_of(response)
-    assert found == pytest.approx(peak, rel=5e-4)
-    assert 0.0 < width < 0.05 * found
+    value, width = float(response["peak_displacement"]), width_of(response)
+    assert value == pytest.approx(peak, rel=5e-4)
+    assert 0.0 < width < 0.05 * value
     finer = SolidPlaneStress(levels=1, refinement=1).simulate(scenario)
-    assert abs(float(finer["peak_displacement"]) - found) < width
+    assert abs(float(finer["peak_displacement"]) - value) < width
 
 
 @pytest.mark.slow

@@ -115,9 +115,9 @@ def test_a_model_that_errs_on_collapse_or_fails_is_neither_green_nor_taken(
     tones = {row[0].text: row[1].tone for row in table_of(stored).rows}
     wrong, right = ("stands", "falls") if reference_falls else ("falls", "stands")
     assert (tones[right], tones[wrong]) == ("good", "bad")
-    said = next(block for block in matrix(study, stored) if isinstance(block, Bullets)).items[0]
-    assert said.startswith(f"all cases: {right}, peak within 2\u2009% of mesh 3 in 3 cases")
-    assert not re.search(rf"{wrong}|breaks", said)
+    text = next(block for block in matrix(study, stored) if isinstance(block, Bullets)).items[0]
+    assert text.startswith(f"all cases: {right}, peak within 2\u2009% of mesh 3 in 3 cases")
+    assert not re.search(rf"{wrong}|breaks", text)
 
 
 def test_every_form_of_frame_is_named_with_its_hits() -> None:
@@ -129,8 +129,8 @@ def test_every_form_of_frame_is_named_with_its_hits() -> None:
     ]
     cases = tuple(Case(hit.name, hit) for hit in hits)
     study = replace(sweep_study(), cases=cases, groups={"low": ("a", "b"), "high": ("c",)})
-    (said,) = subject(study)
-    first, second = str(said).split("; ")
+    (finding,) = subject(study)
+    first, second = str(finding).split("; ")
     assert "3 m high of 4 members" in first
     assert "hit 1 m, 2 m above the ground, by a rigid striker of 500 kg at 5 and 9 m/s" in first
     assert "4 m high of 4 members" in second
@@ -224,8 +224,8 @@ def test_every_renderer_shows_the_same_cells(stored: Stored, tmp_path) -> None:
     text = render_text(*in_brief(stored.study, stored))
     assert files["pdf"].read_bytes().startswith(b"%PDF")
     for cell in (cell for row in table_of(stored).rows for cell in row):
-        said = re.escape(cell.text.split("\n")[0])
-        assert all(re.search(said, shown) for shown in (html, page, text)), cell.text
+        texts = re.escape(cell.text.split("\n")[0])
+        assert all(re.search(texts, shown) for shown in (html, page, text)), cell.text
     assert '<td class="bad hatched"' in html
     assert "❌ ▨ " in page
     assert html.index('id="plot-map"') < html.index('id="table-matrix"') < html.index("<nav")
@@ -280,17 +280,19 @@ def test_many_models_stay_one_click_away(stored: Stored, tmp_path) -> None:
 def test_cases_without_a_peak_make_no_matrix(small, tmp_path) -> None:
     push = tuple(case for case in small.study.cases if case.scenario.STATIC)
     study = replace(small.study, name="pushed", cases=push, gates=(), figures=())
-    found = store_of(study, tmp_path)
-    assert list(matrix(study, found)) == []
-    first = document(study, found, []).sections[0]
+    result = store_of(study, tmp_path)
+    assert list(matrix(study, result)) == []
+    first = document(study, result, []).sections[0]
     assert (first.key, len(first.blocks)) == ("answer", 1)
 
 
 def test_reasons_stand_once_for_all_gates_alike(small) -> None:
     whole = document(small.study, small, [])
     (gates,) = (s for s in whole.sections if s.key == "verdicts")
-    said = [pair for block in walk((gates,)) if block.kind == "definitions" for pair in block.pairs]
-    assert ("gates 1 to 5", "a tenth is what design can absorb [@heng2017]") in said
+    values = [
+        pair for block in walk((gates,)) if block.kind == "definitions" for pair in block.pairs
+    ]
+    assert ("gates 1 to 5", "a tenth is what design can absorb [@heng2017]") in values
     blocks = list(walk((answer(small.study, small, ()),)))
     assert any(isinstance(block, Section) for block in whole.sections)
     assert [block.kind for block in blocks].count("table") == 1

@@ -128,8 +128,8 @@ def data_of(page: str) -> dict[str, Any]:
 
 
 def cell_of(data: dict[str, Any], case: str, label: str) -> dict[str, Any]:
-    (found,) = (each for each in data["cases"] if each["name"] == case)
-    return next(cell for cell in found["cells"] if cell["model"] == label)
+    (result,) = (each for each in data["cases"] if each["name"] == case)
+    return next(cell for cell in result["cells"] if cell["model"] == label)
 
 
 @given(
@@ -182,7 +182,7 @@ def test_frames_bend_and_yield_as_stored(frames, frame_page):
         moved - moved[0], abs=2e-4
     )
     yields = (response["utilisation"].values.T >= 0.995).sum(axis=1)
-    assert [len(found) for found in cell["shape"]["yields"]] == yields.tolist()
+    assert [len(result) for result in cell["shape"]["yields"]] == yields.tolist()
     assert data["cases"][0]["hit"] == [6.0, 0.8, 1.0, 0.0]
 
 
@@ -190,9 +190,9 @@ def test_pages_are_bounded_and_say_what_they_leave_out(stored, page):
     assert len(page.encode()) < LARGEST
     small = explorer(stored.study, stored, largest=3 * len(page.encode()) // 4)
     assert len(small.encode()) <= 3 * len(page.encode()) // 4
-    told = "histories hold about {} of up to 1501 stored points"
-    assert told.format(500) in page
-    assert told.format(500) not in small
+    statements = "histories hold about {} of up to 1501 stored points"
+    assert statements.format(500) in page
+    assert statements.format(500) not in small
     peaks = [
         unpacked(cell_of(data_of(text), "HEB 220, 10 m/s", "reference")["d"]).max()
         for text in (page, small)
@@ -296,10 +296,10 @@ def test_curves_of_probability_are_explored_by_velocity_and_limit(curves_page):
 
 def browser() -> str:
     wanted = os.environ.get("WORKBENCH_BROWSER", "")
-    found = next(filter(None, map(shutil.which, [wanted] if wanted else BROWSERS)), None)
-    if found is None:
+    result = next(filter(None, map(shutil.which, [wanted] if wanted else BROWSERS)), None)
+    if result is None:
         pytest.skip("no chromium or chrome: set WORKBENCH_BROWSER to one")
-    return found
+    return result
 
 
 FIRST = """<script>window.noted = [];
@@ -367,11 +367,11 @@ def driven(page, frame_page, curves_page, tmp_path_factory) -> list[dict[str, An
 
     directory = made_once(tmp_path_factory, "explorer", drive)
     dumped = (directory / "found.html").read_text(encoding="utf-8")
-    found = json.loads(unescape(re.search(r"<pre>(.*?)</pre>", dumped, re.S).group(1)))
-    assert len(found) == 4
-    for each in found:
+    answer = json.loads(unescape(re.search(r"<pre>(.*?)</pre>", dumped, re.S).group(1)))
+    assert len(answer) == 4
+    for each in answer:
         assert each["errors"] == []
-    return found
+    return answer
 
 
 @pytest.fixture
@@ -385,11 +385,11 @@ def seen(request, driven) -> dict[str, Any]:
 
 
 def test_a_page_fits_its_screen_and_names_its_controls(driven):
-    for found, width in zip(driven[:3], (1400, 390, 1400), strict=True):
-        assert found["width"] == width
-        assert found["overflow"] <= 0
-        assert found["after"] <= 0
-        assert found["unnamed"] == []
+    for result, width in zip(driven[:3], (1400, 390, 1400), strict=True):
+        assert result["width"] == width
+        assert result["overflow"] <= 0
+        assert result["after"] <= 0
+        assert result["unnamed"] == []
 
 
 def test_sliders_over_limit_and_velocity_give_probabilities(driven_curves):
@@ -414,13 +414,13 @@ def test_it_opens_with_a_case_and_its_models(seen):
 def test_sliders_choose_the_nearest_stored_case(seen):
     moves = seen["sliders"]
     assert len(moves) == 2 + 2 + 2
-    for axis, stop, case, which, said in moves:
+    for axis, stop, case, which, text in moves:
         assert which.startswith(f"Nearest stored case: {case} (")
         if axis == "velocity in m/s":
             assert case.endswith(f", {(10, 20)[int(stop)]} m/s")
         elif axis == "section":
             assert case.startswith(stop)
-        assert said
+        assert text
 
 
 def test_cases_can_be_walked(seen):
@@ -469,11 +469,11 @@ def test_outcomes_and_warnings_stand_in_words(seen):
 
 
 def test_energies_are_told(seen):
-    found = {label: (paths, words) for label, paths, words in seen["energies"]}
-    assert found["reference"][0] == 5
-    assert "dissipated (plastic, algorithmic)" in found["reference"][1]
-    assert found["estimate"] == (0, "estimate keeps no energies of this case (answered).")
-    assert "collapses" in found["falls"][1]
+    values = {label: (paths, words) for label, paths, words in seen["energies"]}
+    assert values["reference"][0] == 5
+    assert "dissipated (plastic, algorithmic)" in values["reference"][1]
+    assert values["estimate"] == (0, "estimate keeps no energies of this case (answered).")
+    assert "collapses" in values["falls"][1]
 
 
 def test_the_matrix_says_the_times(page, stored):
@@ -500,23 +500,23 @@ def test_cells_of_the_matrix_lead_to_their_worst_case(seen, stored):
 
 
 def test_time_moves_shapes_and_energies(driven):
-    for found in driven[:3]:
-        clocks = [each[0] for each in found["times"]]
+    for result in driven[:3]:
+        clocks = [each[0] for each in result["times"]]
         assert clocks[0] == "0 ms"
         assert len(set(clocks)) == 3
         for kind in (1, 2, 3):
-            assert len({each[kind] for each in found["times"]}) == 3
-        drags = found["drag"]
+            assert len({each[kind] for each in result["times"]}) == 3
+        drags = result["drag"]
         assert drags == sorted(set(drags))
-        scales = {value: words for value, _, words in found["drawn"]}
+        scales = {value: words for value, _, words in result["drawn"]}
         assert "Displacements drawn × 10" in scales["10"]
         assert "True to scale" in scales["1"]
-        assert len({path for _, path, _ in found["drawn"]}) >= 5
+        assert len({path for _, path, _ in result["drawn"]}) >= 5
 
 
 def test_it_plays_and_pauses(driven):
-    for found in driven[:3]:
-        idle, running, during, paused, stopped, still, ended, last = found["play"]
+    for result in driven[:3]:
+        idle, running, during, paused, stopped, still, ended, last = result["play"]
         assert (idle, running, paused, ended) == ("Play", "Pause", "Play", "Play")
         assert 0.0 < during <= stopped == still < last
 
@@ -543,12 +543,12 @@ def test_histories_are_downloaded(seen, stored):
 
 
 def test_a_link_restores_the_view(driven):
-    for found in driven[:3]:
-        before, between, after = found["restored"]
+    for result in driven[:3]:
+        before, between, after = result["restored"]
         assert before == after
         assert before != between
-        assert found["link"]
-        assert found["nonsense"].startswith("Stored case: ")
+        assert result["link"]
+        assert result["nonsense"].startswith("Stored case: ")
 
 
 def test_hinges_of_frames_are_marked(driven):

@@ -40,14 +40,14 @@ def arrays_of(path: Path) -> dict[str, np.ndarray]:
     """Numbers of a VTU file by the name of the array, "" for the points."""
     piece = ElementTree.parse(path).getroot().find("UnstructuredGrid/Piece")
     assert piece is not None
-    found = {}
+    result = {}
     for each in piece.iter("DataArray"):
         width = int(each.get("NumberOfComponents", "1"))
         values = np.array((each.text or "").split(), float)
-        found[each.get("Name", "")] = values.reshape(-1, width) if width > 1 else values
-    assert len(found[""]) == int(piece.get("NumberOfPoints", ""))
-    assert len(found["offsets"]) == int(piece.get("NumberOfCells", ""))
-    return found
+        result[each.get("Name", "")] = values.reshape(-1, width) if width > 1 else values
+    assert len(result[""]) == int(piece.get("NumberOfPoints", ""))
+    assert len(result["offsets"]) == int(piece.get("NumberOfCells", ""))
+    return result
 
 
 def test_shapes_of_a_struck_frame_for_paraview(tmp_path: Path) -> None:

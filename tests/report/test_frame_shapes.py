@@ -62,13 +62,13 @@ def test_points_and_states_are_those_of_the_snapshots(frames):
 
 
 def test_instants(frames):
-    found = shapes(frames, "storeys", "reference")
-    peak, half = found.index("peak"), found.index("half-way")
-    assert found.moved[peak] == found.moved.max()
-    assert found.moved[half] >= 0.5 * found.moved[peak] > found.moved[half - 1]
-    assert (found.index("start"), found.index("end")) == (0, len(found.at) - 1)
-    assert found.at[found.index(0.01)] == pytest.approx(0.01, abs=5e-4)
-    assert found.words(peak).replace("\u2009", " ").startswith("20.0 ms")
+    result = shapes(frames, "storeys", "reference")
+    peak, half = result.index("peak"), result.index("half-way")
+    assert result.moved[peak] == result.moved.max()
+    assert result.moved[half] >= 0.5 * result.moved[peak] > result.moved[half - 1]
+    assert (result.index("start"), result.index("end")) == (0, len(result.at) - 1)
+    assert result.at[result.index(0.01)] == pytest.approx(0.01, abs=5e-4)
+    assert result.words(peak).replace("\u2009", " ").startswith("20.0 ms")
     shown = request(frames, "deformed", cases=[frames.study.cases[0]], instants=("start", 0.01))
     titles = [panel.get_title(loc="left") for panel in draw(shown).canvas.axes]
     assert titles[0].startswith("start: 0")
@@ -148,8 +148,8 @@ def test_columns_lie_with_named_axes_and_say_that_lines_are_chords(small):
     (panel,) = drawing.canvas.axes
     assert panel.get_ylabel() == "displacement\n(m)"
     assert panel.get_xlabel() == "height above the base (m)"
-    said = next(text for text in drawing.statements if text.startswith("Straight lines"))
-    assert "shape between is not known" in said
+    texts = next(text for text in drawing.statements if text.startswith("Straight lines"))
+    assert "shape between is not known" in texts
     data = drawing.data[
         (drawing.data["label"] == "reference") & (drawing.data["instant"] == "peak")
     ]

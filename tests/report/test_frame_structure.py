@@ -42,8 +42,8 @@ def texts_of(canvas):
 
     renderer = FigureCanvasAgg(canvas).get_renderer()
     canvas.draw(renderer)
-    found = [text for panel in canvas.axes for text in panel.texts if text.get_text().strip()]
-    return [(text.get_text(), text.get_window_extent(renderer)) for text in found]
+    texts = [text for panel in canvas.axes for text in panel.texts if text.get_text().strip()]
+    return [(text.get_text(), text.get_window_extent(renderer)) for text in texts]
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -84,8 +84,8 @@ def test_patterns_say_what_is_imposed(frames):
     drawing = drawn(frames, "cycles")
     words = [words for words, _ in texts_of(drawing.canvas)]
     assert {"λ × 10 kN", "λ × 20 kN", "control"} <= set(words)
-    said = [text.replace("\u00a0", " ") for text in drawing.statements]
-    assert "c: displacement of B along x through 19 targets between −80 and 80 mm." in said
+    texts = [text.replace("\u00a0", " ") for text in drawing.statements]
+    assert "c: displacement of B along x through 19 targets between −80 and 80 mm." in texts
 
 
 def test_moments_alone_are_followed_as_rotations(frames):
@@ -169,6 +169,6 @@ def test_pulses_stand_where_they_push(frames, load):
     words = [words for words, _ in texts_of(drawing.canvas)]
     assert "displacement" in words
     assert ("p(t)" in words) == (load == "point")
-    said = " ".join(drawing.statements)
-    assert "triangular" in said
-    assert ("on below, above" in said) == (load == "uniform")
+    texts = " ".join(drawing.statements)
+    assert "triangular" in texts
+    assert ("on below, above" in texts) == (load == "uniform")

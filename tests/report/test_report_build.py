@@ -63,13 +63,13 @@ def test_equal_stores_give_equal_bytes(built, small, tmp_path):
 
 def test_what_the_assessment_has_read_is_not_read_again(small, tmp_path):
     shutil.copytree(small.directory, tmp_path / small.study.name)
-    found = assess(small.study, tmp_path)
-    for path in found.directory.glob("cells/*.nc"):
+    assessment = assess(small.study, tmp_path)
+    for path in assessment.directory.glob("cells/*.nc"):
         path.unlink()
-    handed_on = Stored(found.directory, small.study, found.responses)
+    handed_on = Stored(assessment.directory, small.study, assessment.responses)
     assert explorer(small.study, handed_on) == explorer(small.study, small)
     with pytest.raises(WorkbenchError, match="cannot be read"):
-        explorer(small.study, Stored(found.directory, small.study))
+        explorer(small.study, Stored(assessment.directory, small.study))
 
 
 @pytest.fixture(scope="module")
@@ -226,9 +226,9 @@ def test_cells_that_never_ran_are_told(small, tmp_path):
 
 
 def test_findings_come_back_from_the_table(small):
-    found = small.cells["10 metres per second", "four-dof"].findings
-    assert [finding.subject for finding in found] == ["shear"]
-    assert found[0].text.endswith("V/Vpl = 1.80; no shear model")
+    findings = small.cells["10 metres per second", "four-dof"].findings
+    assert [finding.subject for finding in findings] == ["shear"]
+    assert findings[0].text.endswith("V/Vpl = 1.80; no shear model")
 
 
 def test_long_tables_are_cut_on_paper_only(sweep_html):

@@ -186,14 +186,14 @@ def test_thinning_keeps_extremes_and_ends():
 
 def test_looks_are_told_apart_and_keep_to_their_label():
     study = small_study()
-    found = looks(study)
-    assert found["reference"].color == "#000000"
-    assert found["four-dof"].color == PALETTE[0]
-    assert len({(look.color, str(look.line)) for look in found.values()}) == len(found)
+    result = looks(study)
+    assert result["reference"].color == "#000000"
+    assert result["four-dof"].color == PALETTE[0]
+    assert len({(look.color, str(look.line)) for look in result.values()}) == len(result)
     fewer = replace(
         study, models={k: v for k, v in study.models.items() if k != "breaks"}, gates=()
     )
-    assert looks(fewer)["four-dof"] == found["four-dof"]
+    assert looks(fewer)["four-dof"] == result["four-dof"]
 
 
 def test_sweep_marks_warnings_and_failures(sweep):

@@ -97,8 +97,8 @@ def test_what_is_not_validated_comes_first(studs):
     (second, _) = [b for b in section.blocks if isinstance(b, Callout)]
     assert "24 of 26 tests exceed the tensile strength of their shank" in second.text
     items = [i for b in walk((*blocks, section)) if isinstance(b, Bullets) for i in b.items]
-    said = {word: next(i for i in items if word in i) for word in SAID}
-    assert all(text in said[word] for word, text in SAID.items())
+    values = {word: next(i for i in items if word in i) for word in SAID}
+    assert all(text in values[word] for word, text in SAID.items())
 
 
 # the questions of a designer, each with numbers of its own

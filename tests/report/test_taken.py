@@ -22,10 +22,10 @@ REFERENCE = {"label": "beam", "reference": 2, "known": 0.002}
 
 def row(label: str, worst: float | None = None, within: float | None = None, **more) -> dict:
     """A row of the matrix of two cases."""
-    found = {**dict.fromkeys(MATRIX_COLUMNS, 0), "group": "all", "label": label, "asked": 2}
-    found |= {"quantity": PEAK, "against": "beam", "known": None, f"{RESIDUAL}_within": None}
-    found |= {f"{PEAK}_worst": worst, f"{PEAK}_within": within}
-    return {**found, f"{PEAK}_count": 0 if worst is None else 2, **more}
+    values = {**dict.fromkeys(MATRIX_COLUMNS, 0), "group": "all", "label": label, "asked": 2}
+    values |= {"quantity": PEAK, "against": "beam", "known": None, f"{RESIDUAL}_within": None}
+    values |= {f"{PEAK}_worst": worst, f"{PEAK}_within": within}
+    return {**values, f"{PEAK}_count": 0 if worst is None else 2, **more}
 
 
 def stored_with(*rows: dict, **numbers: float) -> SimpleNamespace:
@@ -34,7 +34,7 @@ def stored_with(*rows: dict, **numbers: float) -> SimpleNamespace:
     return SimpleNamespace(rows=rows, costs={}, number=lambda *key: known.get(key))
 
 
-def said(*rows: dict, **numbers: float) -> str:
+def wording(*rows: dict, **numbers: float) -> str:
     stored = stored_with(*rows, **numbers)
     (sentence,) = trusted(STUDY, stored, dict.fromkeys(row["group"] for row in rows))
     return sentence.replace("\u2009", " ")
@@ -45,21 +45,21 @@ def test_the_nearest_model_is_named_where_none_is_surely_within() -> None:
     near, far = row("near", -0.03), row("far", 0.4, 0.42)
     none = "no model is shown to be within 10 %"
     nearest = "all: nearest is near (off by up to 3 %"
-    assert said(beam, far, near).startswith(f"{nearest}, numerical error not known); {none}")
+    assert wording(beam, far, near).startswith(f"{nearest}, numerical error not known); {none}")
     near["outside"] = 2  # a model inside its domain comes first
-    assert said(beam, near, far).startswith(f"all: nearest is far (42 %); {none}")
+    assert wording(beam, near, far).startswith(f"all: nearest is far (42 %); {none}")
     outside = "outside its domain in 2 of 2, numerical error not known"
-    assert said(beam, near).startswith(f"{nearest}, {outside}); {none}")
-    assert said({**beam, "known": 0.3}, far).endswith("of the reference alone is up to 30 %.")
+    assert wording(beam, near).startswith(f"{nearest}, {outside}); {none}")
+    assert wording({**beam, "known": 0.3}, far).endswith("of the reference alone is up to 30 %.")
     sure = row("sure", 0.05, 0.06)
-    assert said(beam, far, sure).startswith("all: sure, peak within 6 % of beam in 2 cases")
+    assert wording(beam, far, sure).startswith("all: sure, peak within 6 % of beam in 2 cases")
     assert first(STUDY, stored_with(beam, far, sure), "all") == "sure"
 
 
 def test_the_anchor_comes_first_where_it_is_sure_with_the_error_to_expect() -> None:
     beam, sure, anchor = row(**REFERENCE), row("sure", 0.01, 0.02), row("anchor", 0.05, 0.06)
     error = {"expected": -0.03, "low": -0.09, "high": 0.04, "chance": 0.03}
-    text = said(beam, sure, anchor, **error)
+    text = wording(beam, sure, anchor, **error)
     assert text.startswith("all: anchor, peak within 6 % of beam")
     stored = stored_with(beam, sure, anchor, **error)
     more = details(STUDY, stored, "all", anchor).replace("\u2009", " ")
@@ -69,16 +69,16 @@ def test_the_anchor_comes_first_where_it_is_sure_with_the_error_to_expect() -> N
     assert first(STUDY, stored_with(beam, sure, anchor), "all") == "anchor"
     unmeasured = details(STUDY, stored_with(beam, sure, anchor), "all", anchor)
     assert "expect" not in unmeasured
-    assert said(beam, sure, row("anchor", 0.2, 0.21)).startswith("all: sure")
+    assert wording(beam, sure, row("anchor", 0.2, 0.21)).startswith("all: sure")
 
 
 def test_groups_of_which_the_same_is_to_be_said_share_a_sentence() -> None:
     slow = [row(**REFERENCE), row("sure", 0.05, 0.06)]
     fast = [{**each, "group": "fast"} for each in (slow[0], row("sure", 0.02, 0.03))]
-    assert said(*slow, *fast) == "all; fast: sure, peak within 6 % of beam in 4 cases."
+    assert wording(*slow, *fast) == "all; fast: sure, peak within 6 % of beam in 4 cases."
     open_ones = [{**each, "group": "fast"} for each in (slow[0], row("far", 0.4, 0.42))]
     near = row("near", 0.1, 0.11)
-    assert said(slow[0], near, *open_ones).startswith(
+    assert wording(slow[0], near, *open_ones).startswith(
         "all; fast: nearest is near (11 %), far (42 %)"
     )
 
@@ -86,8 +86,8 @@ def test_groups_of_which_the_same_is_to_be_said_share_a_sentence() -> None:
 def test_a_group_of_collapses_is_told_by_who_sees_them() -> None:
     beam = row("beam", collapsed=2)
     sees, blind = row("sees", collapsed=2), row("blind", false_safe=2)
-    assert said(beam, sees) == "all: the reference collapses, and so do all that answer."
-    assert said(beam, sees, blind) == "all: the reference collapses; false safe: blind."
+    assert wording(beam, sees) == "all: the reference collapses, and so do all that answer."
+    assert wording(beam, sees, blind) == "all: the reference collapses; false safe: blind."
 
 
 def test_two_cases_give_their_ends_and_no_interval() -> None:

@@ -30,13 +30,13 @@ def judged(toy_study: Study, tmp_path: Path) -> tuple[Stored, Assessment]:
     models = {**toy_study.models, "collapsing": Troubled("collapse", above=18.0)}
     study = dataclasses.replace(toy_study, models=models, gates=gates, figures=(), quick_models=())
     run_study(study, tmp_path, jobs=0)
-    found = assess(study, tmp_path)
-    return Stored(found.directory, study), found
+    assessment = assess(study, tmp_path)
+    return Stored(assessment.directory, study), assessment
 
 
 def test_gates_that_differ_only_in_their_cases_are_two_everywhere(judged, tmp_path) -> None:
-    stored, found = judged
-    objects = gate_objects(found)
+    stored, result = judged
+    objects = gate_objects(result)
     assert [gate["counts"]["asked"] for gate in objects] == [1, 2, 3]
     assert [row["asked"] for row in stored.rows["verdicts"]] == [1, 2, 3]
     assert [row["verdict"] for row in stored.rows["verdicts"]] == [
@@ -68,9 +68,9 @@ def test_collapses_are_counted_apart_from_refusals_and_failures(judged) -> None:
     stored, _ = judged
     collapse = stored.cells["v20.0", "collapsing"].collapse
     assert collapse == ("geometry", ("below",), 0.5, 0.02)
-    told, table = collapses(stored).blocks
-    assert told.tone == "note"
-    assert told.text.startswith("In 1 cell of 15 the structure collapses, which is an answer")
+    statements, table = collapses(stored).blocks
+    assert statements.tone == "note"
+    assert statements.text.startswith("In 1 cell of 15 the structure collapses, which is an answer")
     assert [cell.text for cell in table.rows[0]] == [
         *("v20.0", "collapsing", "geometry", "below", "0.0200", "0.500")
     ]

@@ -193,8 +193,8 @@ def test_states_of_hinges_and_storeys_imply_their_extremes_and_places() -> None:
         uprights=["left", "right"],
     )
     check_response(response)
-    found = {name: float(response[name]) for name in response.data_vars if "largest" in str(name)}
-    assert found == {
+    values = {name: float(response[name]) for name in response.data_vars if "largest" in str(name)}
+    assert values == {
         "largest_drift": 0.01,
         "largest_plastic_rotation": 0.03,
         "largest_compression": 5e5,
@@ -235,9 +235,9 @@ def test_histories_imply_their_scalars_and_what_a_model_gives_itself_counts() ->
     assert response["impulse"].item() == pytest.approx(100.5)
     assert response["peak_force"].item() == pytest.approx(0.5 * 200.0)
     assert "residual_displacement" not in response  # no whole cycle
-    own = build_response({**histories, "impulse": 7.0, "peak_force": None}, time=time)
-    assert own["impulse"].item() == 7.0
-    assert "peak_force" not in own
+    given = build_response({**histories, "impulse": 7.0, "peak_force": None}, time=time)
+    assert given["impulse"].item() == 7.0
+    assert "peak_force" not in given
     growing = build_response({**histories, "displacement": time}, time=time)
     assert "peak_displacement" not in growing
     (finding,) = findings_of(growing)
@@ -283,13 +283,13 @@ def test_an_imbalance_counts_over_the_blow_whatever_dead_loads_store(given, stor
 
 
 def test_findings_stay_data_whatever_their_sentences_hold() -> None:
-    said = [
+    findings = [
         Finding("shear", "V/Vpl = 1.79; webs yield: first", remedy="take another", number=1.79),
         Finding("buckling", 'it "buckles"', refusal=True),
     ]
-    response = failed_response(Outcome.OUT_OF_DOMAIN, "two reasons", said)
-    assert findings_of(response) == said
-    assert warnings_of(response) == said[:1]
-    assert str(said[0]) == "V/Vpl = 1.79; webs yield: first: take another"
-    set_findings(response, said[1:])
-    assert findings_of(response) == said[1:]
+    response = failed_response(Outcome.OUT_OF_DOMAIN, "two reasons", findings)
+    assert findings_of(response) == findings
+    assert warnings_of(response) == findings[:1]
+    assert str(findings[0]) == "V/Vpl = 1.79; webs yield: first: take another"
+    set_findings(response, findings[1:])
+    assert findings_of(response) == findings[1:]

@@ -20,7 +20,7 @@ NOT_VALUES = {"subject", "refusal", "parts"}
 
 def calls() -> list[tuple[str, str, set[str]]]:
     """File, pattern of the name and values of every finding that the package makes."""
-    found = []
+    result = []
     for path in sorted(ROOT.rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             made = isinstance(node, ast.Call) and ast.unparse(node.func) == "finding"
@@ -31,8 +31,8 @@ def calls() -> list[tuple[str, str, set[str]]]:
                     pattern = ".*"
                 values = {str(keyword.arg) for keyword in node.keywords} - NOT_VALUES
                 values |= {"number"} if len(node.args) > 1 else set()
-                found.append((path.name, pattern, values))
-    return found
+                result.append((path.name, pattern, values))
+    return result
 
 
 def wanted(name: str) -> set[str]:

@@ -23,13 +23,13 @@ SIZES = 2.0 ** np.arange(3.0, -1.0, -1.0)
 def test_a_power_law_is_met_exactly(limit, slope, share, expected, levels) -> None:
     order = share * expected
     values = [limit + slope * 2.0 ** (-order * k) for k in range(levels)]
-    found = ladder(values, 2.0, expected)
+    estimate = ladder(values, 2.0, expected)
     error = values[-1] - limit
-    assert found.order == pytest.approx(order, rel=1e-3)
-    assert found.extrapolated == pytest.approx(limit, abs=1e-3 * abs(error))
-    assert found.uncertainty == pytest.approx(1.25 * abs(error), rel=5e-3)
-    assert found.factor == 1.25
-    assert found.accepted
+    assert estimate.order == pytest.approx(order, rel=1e-3)
+    assert estimate.extrapolated == pytest.approx(limit, abs=1e-3 * abs(error))
+    assert estimate.uncertainty == pytest.approx(1.25 * abs(error), rel=5e-3)
+    assert estimate.factor == 1.25
+    assert estimate.accepted
 
 
 def test_scattered_values_agree_with_an_independent_fit() -> None:
@@ -38,7 +38,7 @@ def test_scattered_values_agree_with_an_independent_fit() -> None:
     def law(h, limit, slope, order):
         return limit + slope * h**order
 
-    found, fit_found = ladder(list(values)), best_law(list(values), 2.0, 1.0)[0]
+    estimate, fit_found = ladder(list(values)), best_law(list(values), 2.0, 1.0)[0]
     best = np.inf
     for weight in (np.ones(4), 4.0 / SIZES / np.sum(1.0 / SIZES)):
         fit = curve_fit(law, SIZES, values, p0=(2.0, 0.3, 1.0), sigma=weight**-0.5, xtol=1e-14)[0]
@@ -46,40 +46,40 @@ def test_scattered_values_agree_with_an_independent_fit() -> None:
         deviation = float(np.sqrt(np.sum(weight * missed**2)))  # one degree of freedom is left
         if deviation < best:
             best, (limit, slope, order), last = deviation, fit, abs(missed[-1])
-    assert found.order == pytest.approx(order, rel=1e-8)  # measured 3.5e-10
-    assert found.extrapolated == pytest.approx(limit, rel=1e-8)  # measured 1.3e-10
+    assert estimate.order == pytest.approx(order, rel=1e-8)  # measured 3.5e-10
+    assert estimate.extrapolated == pytest.approx(limit, rel=1e-8)  # measured 1.3e-10
     assert fit_found.deviation == pytest.approx(best, rel=1e-8)  # measured: round-off
     # measured 6.7e-10
-    assert found.uncertainty == pytest.approx(1.25 * slope + best + last, rel=1e-8)
+    assert estimate.uncertainty == pytest.approx(1.25 * slope + best + last, rel=1e-8)
 
 
 @pytest.mark.parametrize("order", [1.6, 2.0, 3.0])
 def test_faster_than_expected_counts_as_expected(order) -> None:
     values = [1.0 + 2.0 ** (-order * k) for k in range(4)]
-    found = ladder(values)
-    assert found.order == pytest.approx(order, rel=1e-8)  # measured 2.8e-9
-    assert found.factor == 3.0
-    assert not found.accepted
-    assert found.converging
+    estimate = ladder(values)
+    assert estimate.order == pytest.approx(order, rel=1e-8)  # measured 2.8e-9
+    assert estimate.factor == 3.0
+    assert not estimate.accepted
+    assert estimate.converging
     # a h fitted instead: far more than the true error
-    assert found.uncertainty > 3.0 * abs(values[-1] - 1.0)
+    assert estimate.uncertainty > 3.0 * abs(values[-1] - 1.0)
 
 
 def test_slower_than_expected_is_not_relied_on() -> None:
     values = [1.0 + 2.0 ** (-0.2 * k) for k in range(4)]
-    found = ladder(values)
-    assert found.order == pytest.approx(0.2, rel=1.5e-8)  # measured 7.2e-9
-    assert found.factor == 3.0
-    assert "outside 0.5 to 1.1 of the expected" in found.note
-    assert found.uncertainty > 3.0 * abs(values[-1] - values[-2])
+    estimate = ladder(values)
+    assert estimate.order == pytest.approx(0.2, rel=1.5e-8)  # measured 7.2e-9
+    assert estimate.factor == 3.0
+    assert "outside 0.5 to 1.1 of the expected" in estimate.note
+    assert estimate.uncertainty > 3.0 * abs(values[-1] - values[-2])
 
 
 def test_values_that_swing_or_run_away_do_not_converge() -> None:
     for values in ([1.0, 1.2, 1.05, 1.15], [1.0, 1.1, 1.3, 1.7]):
-        found = ladder(values)
-        assert not found.converging
-        assert not found.accepted
-        assert found.uncertainty > abs(values[-1] - values[-2])
+        estimate = ladder(values)
+        assert not estimate.converging
+        assert not estimate.accepted
+        assert estimate.uncertainty > abs(values[-1] - values[-2])
     assert "power law" in ladder([1.0, 1.1, 1.3, 1.7]).note
 
 
@@ -96,6 +96,6 @@ def test_the_interval_holds_the_limit_in_19_of_20_sequences() -> None:
         first, second = 1.0, rng.uniform(-0.05, 0.05)
         scatter = 0.05 * rng.uniform(-1.0, 1.0, 4)
         values = first * SIZES + second * SIZES**2 + scatter * SIZES
-        found = ladder(list(values))
-        held.append(abs(values[-1]) <= found.uncertainty)
+        estimate = ladder(list(values))
+        held.append(abs(values[-1]) <= estimate.uncertainty)
     assert np.mean(held) >= 0.95

@@ -102,9 +102,12 @@ def test_canonical_toml_says_what_the_tables_say(name: str) -> None:
     scenario = scenario_from(SCENARIOS[name])
     tables = tomllib.loads(to_toml(scenario))
     head = {key: tables.pop(key) for key in ("kind", "name")}
-    for told in (scenario, replace(scenario, name="x")):  # the other's parts are written by now
-        head["name"] = told.name
-        assert to_toml(told) == f"{tomli_w.dumps(head)}\n{tomli_w.dumps(tables)}"
+    for statements in (
+        scenario,
+        replace(scenario, name="x"),
+    ):  # the other's parts are written by now
+        head["name"] = statements.name
+        assert to_toml(statements) == f"{tomli_w.dumps(head)}\n{tomli_w.dumps(tables)}"
 
 
 def test_hash_ignores_the_name_and_sees_everything_else(good: Path) -> None:

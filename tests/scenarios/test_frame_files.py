@@ -401,9 +401,9 @@ def test_column_models_decline_frames_at_the_command_line(
     assert captured.err == ""
     assert "four-dof answers column-impact, column-pushover, not frame-impact" in captured.out
     assert run([*command, "--set", "striker.node=Z9"]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith("workbench: striker.node = 'Z9': there is no node of this name")
-    assert "Traceback" not in said
+    errors = capsys.readouterr().err
+    assert errors.startswith("workbench: striker.node = 'Z9': there is no node of this name")
+    assert "Traceback" not in errors
 
 
 def test_every_model_of_columns_alone_declines_every_kind_of_frame(tmp_path: Path) -> None:

@@ -163,7 +163,7 @@ def test_any_file(tmp_path: Path, text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (("--set", f"striker.velocity=1{'0' * 400}"), "striker.velocity = 1000"),
         (("--set", f"striker.velocity=0x{'f' * 5000}"), "must be a number above 0 to 300 m/s"),
@@ -176,7 +176,7 @@ def test_any_file(tmp_path: Path, text: str) -> None:
     ids=lambda v: str(v)[:40],
 )
 def test_the_command_line_refuses_in_one_line(
-    tmp_path: Path, monkeypatch, capsys, arguments: tuple[str, ...], said: str
+    tmp_path: Path, monkeypatch, capsys, arguments: tuple[str, ...], message: str
 ) -> None:
     path = tmp_path / "scenario.toml"
     path.write_text(tomli_w.dumps(SCENARIOS["impact"]), encoding="utf-8")
@@ -187,4 +187,4 @@ def test_the_command_line_refuses_in_one_line(
     printed = capsys.readouterr()
     assert (left.value.code, printed.out) == (2, "")
     assert printed.err.count("\n") == 1
-    assert said in printed.err
+    assert message in printed.err

@@ -39,7 +39,7 @@ def test_a_file_counts_with_its_content(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"asked": "colour"}, "tests.asked = 'colour': must be one of strength"),
         ({"tables": ()}, "must name a table"),
@@ -51,8 +51,8 @@ def test_a_file_counts_with_its_content(tmp_path: Path) -> None:
         ({"digests": ("0" * 16,)}, "must be 0, one per file"),
     ],
 )
-def test_impossible_questions_are_refused(change: dict, said: str) -> None:
-    with pytest.raises(InputError, match=said):
+def test_impossible_questions_are_refused(change: dict, message: str) -> None:
+    with pytest.raises(InputError, match=message):
         StudTests("x", **change)
 
 

@@ -142,12 +142,12 @@ PRINTED = {
 @pytest.mark.parametrize("name", PRINTED)
 def test_printed_values(name: str) -> None:
     section = find(name)
-    found = (
+    result = (
         section.second_moment,
         section.elastic_section_modulus,
         section.plastic_section_modulus,
     )
-    assert found == pytest.approx(PRINTED[name], rel=5e-4)
+    assert result == pytest.approx(PRINTED[name], rel=5e-4)
 
 
 @pytest.mark.parametrize("size", HE)

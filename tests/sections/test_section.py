@@ -105,8 +105,8 @@ def test_short_segment_of_the_thesis_column_overloads_its_web() -> None:
 
 @each
 def test_integrals_against_brute_force(section: Section) -> None:
-    found = (section.area, section.second_moment, section.plastic_section_modulus)
-    assert found == pytest.approx(brute_force(section), rel=2e-5)
+    result = (section.area, section.second_moment, section.plastic_section_modulus)
+    assert result == pytest.approx(brute_force(section), rel=2e-5)
 
 
 @each

@@ -87,9 +87,9 @@ def superellipse(alpha: float, beta: float) -> np.ndarray:
 
 @pytest.mark.parametrize(("section", "beta"), [(PLATES, 1.276), (ROLLED, 1.273)])
 def test_fit_of_heb_220(section: Section, beta: float) -> None:
-    alpha, found = section.interaction_fit()
+    alpha, result = section.interaction_fit()
     assert alpha == 1.0
-    assert found == pytest.approx(beta, abs=5e-4)
+    assert result == pytest.approx(beta, abs=5e-4)
 
 
 def test_residual_of_the_fit() -> None:

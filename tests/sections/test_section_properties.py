@@ -75,10 +75,10 @@ def superellipse(alpha: float, beta: float) -> np.ndarray:
 @examples(60)
 @given(sections())
 def test_random_shapes_against_brute_force(section: Section) -> None:
-    found = (section.area, section.second_moment, section.plastic_section_modulus)
+    result = (section.area, section.second_moment, section.plastic_section_modulus)
     slices = 40_000
     jumps = section.width / min(section.area / section.height, section.width)
-    assert found == pytest.approx(brute_force(section, slices), rel=1e-4 + 8 * jumps / slices)
+    assert result == pytest.approx(brute_force(section, slices), rel=1e-4 + 8 * jumps / slices)
 
 
 @examples(100)

@@ -172,8 +172,8 @@ def test_critical_moment_by_finite_differences() -> None:
     stiff = np.block([[E * weak * fourth, zero], [zero, E * warping * fourth - G * twist * second]])
     load = -np.block([[zero, second], [second, zero]])
     largest = eigh(load, stiff, eigvals_only=True)[-1]
-    found = lateral_torsional(shape, S355, length, 1.0).critical
-    assert found == pytest.approx(1.0 / largest, rel=3e-4)
+    result = lateral_torsional(shape, S355, length, 1.0).critical
+    assert result == pytest.approx(1.0 / largest, rel=3e-4)
 
 
 @pytest.mark.parametrize("rolled", [True, False])
@@ -181,16 +181,16 @@ def test_reduction_of_lateral_torsional_buckling(rolled: bool) -> None:
     shape = find("IPE 300").shape if rolled else find("IPE 300").without_fillets().shape
     moment, chi = 220e3, {}
     for length in (0.1, 1.0, 3.0, 6.0, 12.0, 60.0):
-        found = lateral_torsional(shape, S355, length, moment)
-        slenderness = sqrt(moment / found.critical)
-        chi[length] = found.factor
-        assert found.resistance == pytest.approx(found.factor * moment)
-        assert found.factor <= min(1.0, 1.0 / slenderness**2) + 1e-12
-        if slenderness > 0.4 and found.factor < 1.0 / slenderness**2 - 1e-9:
+        result = lateral_torsional(shape, S355, length, moment)
+        slenderness = sqrt(moment / result.critical)
+        chi[length] = result.factor
+        assert result.resistance == pytest.approx(result.factor * moment)
+        assert result.factor <= min(1.0, 1.0 / slenderness**2) + 1e-12
+        if slenderness > 0.4 and result.factor < 1.0 / slenderness**2 - 1e-9:
             # the Ayrton-Perry form from which the curve comes: beta + eta / (1 - chi l^2) = ...
             beta, start, eta = (0.75, 0.4, 0.34) if rolled else (1.0, 0.2, 0.49)
-            left = (1.0 - found.factor) * (1.0 - beta * found.factor * slenderness**2)
-            assert left == pytest.approx(found.factor * eta * (slenderness - start), rel=1e-9)
+            left = (1.0 - result.factor) * (1.0 - beta * result.factor * slenderness**2)
+            assert left == pytest.approx(result.factor * eta * (slenderness - start), rel=1e-9)
     assert chi[0.1] == 1.0
     values = list(chi.values())
     assert values == sorted(values, reverse=True)

@@ -23,7 +23,7 @@ def stress_path(law, strains, duration: float = np.inf) -> np.ndarray:
     old, new = np.zeros((2, law.states, 1))
     result = []
     for strain in np.asarray(strains, dtype=float):
-        found = kernels.section_response(tables, 0, 1.0, duration, (strain, 0.0, 0.0), old, new)
-        result.append((found[0], found[3]))
+        outcome = kernels.section_response(tables, 0, 1.0, duration, (strain, 0.0, 0.0), old, new)
+        result.append((outcome[0], outcome[3]))
         old, new = new, old
     return np.array(result)

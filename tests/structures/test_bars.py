@@ -51,10 +51,10 @@ def group(
 
 def law(bars: BarElements, trial: Array, back: Array | None = None) -> tuple[Array, Array, Array]:
     """Forces, tangent and plastic flow for elastic trial deformations."""
-    (own,) = bars.tables
+    (record,) = bars.tables
     k, flow = np.empty((3, 3)), np.empty(3)
     before = np.zeros(2) if back is None else back
-    row, corners, counts = own.rows[0], own.corners[0], own.counts[0]
+    row, corners, counts = record.rows[0], record.corners[0], record.counts[0]
     hard = np.array([row["hardening1"], row["hardening4"]])
     total = np.asarray(trial, float)
     forces = kernels.hinged_law(row, corners, counts, total, before, hard, np.zeros(2), k, flow)
@@ -113,9 +113,9 @@ def test_linear_surface_equals_the_closest_point_projection_of_superelements() -
         trial = YIELD * 10.0 ** rng.uniform(-1.0, 2.0) * rng.standard_normal(3)
         expected, k, flow = np.empty(3), np.empty((3, 3)), np.empty(4)
         project_pair(pair, trial, expected, k, flow)
-        forces, _, own = law(bars, trial)
+        forces, _, given = law(bars, trial)
         assert forces == pytest.approx(expected, abs=1e-8 * NP)
-        assert own == pytest.approx([flow[0] + flow[2], flow[1], flow[3]], abs=1e-9)
+        assert given == pytest.approx([flow[0] + flow[2], flow[1], flow[3]], abs=1e-9)
 
 
 def test_ratios_of_giberson() -> None:
@@ -169,30 +169,30 @@ def test_tangent_of_gradual_hinges(pinned: bool) -> None:
     start = replace(end, stiffness=0.0) if pinned else end
     bars = hinged_bars([[0, 1]], [Bar(start, end, EA, EI, 71.0)], regularisation=0.0)
     alone(bars, LENGTH)
-    (own,) = bars.tables
+    (record,) = bars.tables
     size = np.sqrt([EA / LENGTH, 4 * EI / LENGTH, 4 * EI / LENGTH])
     # one end may have hardened where the other begins to: levels were sought in vain there
     cases = np.where(rng.random((100, 2)) < 0.3, 0.0, 10.0 ** rng.uniform(-6.0, -1.0, (100, 2)))
 
     def forces(trial: Array, spread: Array) -> tuple[Array, Array, Array]:
         k, flow = np.empty((3, 3)), np.empty(3)
-        found = np.array(kernels.gradual_law(own.rows[0], own, 0, trial, spread, k, flow))
-        return found, k, flow
+        result = np.array(kernels.gradual_law(record.rows[0], record, 0, trial, spread, k, flow))
+        return result, k, flow
 
     off = 0
     for spread in cases:
         trial = YIELD * 10.0 ** rng.uniform(-0.3, 1.0) * rng.standard_normal(3)
-        found, k, flow = forces(trial, spread)
+        result, k, flow = forces(trial, spread)
         for i, end_flow in enumerate(flow[1:]):  # on the surface that it has hardened to
             share, _ = kernels.hardened(curve, spread[i] + abs(end_flow))
-            n = abs(found[0]) / NP
+            n = abs(result[0]) / NP
             full = float(np.interp(n, *polyline("exact", PLATES)))
             capacity = MP * (0.88 * (1.0 - n) + share * (full - 0.88 * (1.0 - n)))
-            assert abs(found[1 + i]) <= capacity + 1e-9 * MP
+            assert abs(result[1 + i]) <= capacity + 1e-9 * MP
             if i == 0 and pinned:
-                assert found[1] == 0.0
+                assert result[1] == 0.0
             elif end_flow != 0.0:
-                assert abs(found[1 + i]) == pytest.approx(capacity, abs=1e-9 * MP)
+                assert abs(result[1 + i]) == pytest.approx(capacity, abs=1e-9 * MP)
         differences = np.empty((3, 3))
         for j, step in enumerate(np.diag(1e-6 * YIELD)):
             change = forces(trial + step, spread)[0] - forces(trial - step, spread)[0]

@@ -66,8 +66,8 @@ def test_critical_loads_of_engesser_and_shanley(n: float) -> None:
         def stiffness(slenderness: float, radius: float = radius) -> float:
             return bent(slenderness * pi * sqrt(EI / NP), n, radius, 0.0)
 
-        found = brentq(stiffness, 0.7 * exact, 1.3 * exact)
-        assert found == pytest.approx(exact, rel=1e-6), name
+        result = brentq(stiffness, 0.7 * exact, 1.3 * exact)
+        assert result == pytest.approx(exact, rel=1e-6), name
     # both flanges compressed further: the tangent modulus, whichever is asked for
     grown = 1.01 * tangent
     assert bent(1.0, n, RADIUS, grown) == pytest.approx(bent(1.0, n, 0.0, grown), rel=1e-9)

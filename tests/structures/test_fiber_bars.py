@@ -86,7 +86,7 @@ def test_elastic_stiffness_with_shear_and_joint(rule: Rule) -> None:
 @pytest.mark.parametrize("rule", [lobatto_rule(5), hinge_rule(0.07)])
 def test_equilibrium_compatibility_and_tangent_far_in_the_plastic_range(rule: Rule) -> None:
     bars, rng = group(rule, section()), np.random.default_rng(4)
-    (own,) = bars.tables
+    (record,) = bars.tables
     size = np.sqrt([2.8e9, 3.7e7, 3.7e7])
     off = 0
     for _ in range(40):
@@ -95,9 +95,11 @@ def test_equilibrium_compatibility_and_tangent_far_in_the_plastic_range(rule: Ru
         q = first + 10.0 ** rng.uniform(-4, 0) * rng.standard_normal(3) * [0.02, 0.1, 0.1]
         new, k = law(bars, q, state)
         forces, strains, before = new.local[0], new.strains[0], state.fibers[0]
-        total = own.rest[0] @ forces
+        total = record.rest[0] @ forces
         for p, (x, w) in enumerate(zip(rule.xi, rule.weights, strict=True)):
-            n, m, *_ = kernels.respond(own, 0, p, np.inf, strains[p], before, np.zeros_like(before))
+            n, m, *_ = kernels.respond(
+                record, 0, p, np.inf, strains[p], before, np.zeros_like(before)
+            )
             assert n == pytest.approx(forces[0], abs=5.0)
             assert m == pytest.approx((x - 1.0) * forces[1] + x * forces[2], abs=1.0)
             total += w * LENGTH * np.array([1.0, x - 1.0, x]) * strains[p, [0, 1, 1]]

@@ -23,8 +23,8 @@ def oscillator(mass: float = 1000.0, hardening: float = 0.0):
     """A mass on the bar: assembly, dof, circular frequency."""
     rod, dof = bar(hardening)
     rod.add_mass(1, mass)
-    own = float(rod.mass_times(np.eye(rod.size)[dof])[dof])
-    return rod, dof, np.sqrt(STIFFNESS / own)
+    value = float(rod.mass_times(np.eye(rod.size)[dof])[dof])
+    return rod, dof, np.sqrt(STIFFNESS / value)
 
 
 def ground_motion(assembly, axis, samples, interval, spans, weight, damping=0.0, **options):

@@ -40,8 +40,8 @@ def on_spring(mass: float = 1000.0) -> tuple[PlanarAssembly, int, float]:
     """A mass on an elastic bar: assembly, dof, circular frequency."""
     rod, dof = bar(2.1e9)  # yields far beyond what the tests ask of it
     rod.add_mass(1, mass)
-    own = float(rod.mass_times(np.eye(rod.size)[dof])[dof])
-    return rod, dof, float(np.sqrt(STIFFNESS / own))
+    value = float(rod.mass_times(np.eye(rod.size)[dof])[dof])
+    return rod, dof, float(np.sqrt(STIFFNESS / value))
 
 
 def ledger(steps: list[TimeStep], begin: float) -> np.ndarray:
@@ -117,8 +117,8 @@ def test_equal_masses_exchange_their_velocities_twice(integrator) -> None:
     errors = []
     for count in (100, 200, 400):
         rod, dof, omega = on_spring()
-        own = STIFFNESS / omega**2
-        striker = PointMass(own, 0.1, 1.0)
+        mass = STIFFNESS / omega**2
+        striker = PointMass(mass, 0.1, 1.0)
         period = 2 * np.pi / omega
         steps = list(
             impact(rod, dof, striker, [(0.7 * period, period / count)], 0.5, integrator=integrator)
@@ -134,7 +134,7 @@ def test_equal_masses_exchange_their_velocities_twice(integrator) -> None:
 
 
 def event_driven(
-    own: float, omega: float, striker: PointMass, duration: float
+    given: float, omega: float, striker: PointMass, duration: float
 ) -> tuple[float, float, int]:
     """Exact motion from hit to hit: end velocities of striker and mass, number of hits."""
     x, v = 0.0, 0.0
@@ -142,8 +142,8 @@ def event_driven(
     time, hits = 0.0, 0
     while True:
         approach = v - speed
-        impulse = (1.0 + striker.restitution) * -approach / (1.0 / own + 1.0 / striker.mass)
-        v, speed, hits = v + impulse / own, speed - impulse / striker.mass, hits + 1
+        impulse = (1.0 + striker.restitution) * -approach / (1.0 / given + 1.0 / striker.mass)
+        v, speed, hits = v + impulse / given, speed - impulse / striker.mass, hits + 1
         amplitude, phase = np.hypot(x, v / omega), np.arctan2(x, v / omega)
 
         def gap(t, amplitude=amplitude, phase=phase, at=at, speed=speed):
@@ -167,10 +167,10 @@ def event_driven(
 def test_repeated_impacts_converge_to_the_motion_from_hit_to_hit(integrator) -> None:
     """A striker bounces three times on an equal mass on a spring, restitution 1/2."""
     rod, dof, omega = on_spring()
-    own = STIFFNESS / omega**2
-    striker = PointMass(own, 0.1, 0.5)
+    mass = STIFFNESS / omega**2
+    striker = PointMass(mass, 0.1, 0.5)
     duration = 1.1 * 2 * np.pi / omega
-    speed, _, hits = event_driven(own, omega, striker, duration)
+    speed, _, hits = event_driven(mass, omega, striker, duration)
     assert hits == 3
     for count in (200, 800, 3200):
         rod, dof, omega = on_spring()
@@ -191,9 +191,9 @@ def test_order_two_while_the_contact_stays_closed(integrator) -> None:
     errors = []
     for count in (10, 20, 40, 80):
         rod, dof, omega = on_spring()
-        own = STIFFNESS / omega**2
+        mass = STIFFNESS / omega**2
         rod.velocity[dof] = 0.1
-        striker = PointMass(2.0 * own, 0.1)
+        striker = PointMass(2.0 * mass, 0.1)
         joint = omega / np.sqrt(3.0)
         span = 0.4 * np.pi / joint
         *_, last = impact(
@@ -211,8 +211,8 @@ def test_order_after_a_plastic_collision_at_the_start(integrator) -> None:
     errors = []
     for count in (20, 40, 80, 160):
         rod, dof, omega = on_spring()
-        own = STIFFNESS / omega**2
-        striker = PointMass(2.0 * own, 0.1)
+        mass = STIFFNESS / omega**2
+        striker = PointMass(2.0 * mass, 0.1)
         joint = omega / np.sqrt(3.0)
         span = 0.4 * np.pi / joint
         list(impact(rod, dof, striker, [(span, span / count)], 0.5, integrator=integrator))

@@ -23,9 +23,9 @@ def scalar(residual, slope):
 
 def test_line_search_tames_an_overshooting_root():
     evaluate, solve = scalar(np.arctan, lambda x: 1.0 / (1.0 + x**2))
-    found = newton(evaluate, lambda r: 1e-12, solve, np.array([20.0]))
-    assert found.converged
-    assert found.x[0] == pytest.approx(0.0, abs=1e-12)
+    evaluation = newton(evaluate, lambda r: 1e-12, solve, np.array([20.0]))
+    assert evaluation.converged
+    assert evaluation.x[0] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_elastic_plastic_kink_does_not_cycle():
@@ -37,9 +37,9 @@ def test_elastic_plastic_kink_does_not_cycle():
     evaluate, solve = scalar(
         lambda x: force(x) + force(x - 1.5) - 0.4, lambda x: 2 * (hard if abs(x) < 1.0 else soft)
     )
-    found = newton(evaluate, lambda r: 1e-10, solve, np.array([0.0]))
-    assert found.converged
-    assert force(found.x[0]) + force(found.x[0] - 1.5) == pytest.approx(0.4, abs=1e-8)
+    evaluation = newton(evaluate, lambda r: 1e-10, solve, np.array([0.0]))
+    assert evaluation.converged
+    assert force(evaluation.x[0]) + force(evaluation.x[0] - 1.5) == pytest.approx(0.4, abs=1e-8)
 
 
 def test_failures_are_told():

@@ -279,7 +279,7 @@ def test_flexible_bar_with_ever_stiffer_hinges_tends_to_rigid_plastic_hinges():
     surface = YieldSurface(NP, MP, 1.0, 1.3)
     for _ in range(20):
         x = 3.0 * np.tile(SCALE, 2) * rng.normal(size=6)
-        found = []
+        values = []
         for factor in (1e2, 1e4, 1e6, np.inf):
             end = HingeEnd(surface, factor * 2.0 * EA / 1.5, factor * 6.0 * EI / 1.5)
             section = Superelement(end, end, EA, EI, flexible=True)
@@ -287,8 +287,8 @@ def test_flexible_bar_with_ever_stiffer_hinges_tends_to_rigid_plastic_hinges():
             assembly = PlanarAssembly([[0.0, 0.0], [1.5, 0.0]], [group])
             assembly.assemble(x, None)
             assembly.commit(x)
-            found.append(group.local_forces / [NP, MP, MP])
-        gaps = [np.abs(local - found[-1]).max() for local in found[:-1]]
+            values.append(group.local_forces / [NP, MP, MP])
+        gaps = [np.abs(local - values[-1]).max() for local in values[:-1]]
         assert gaps[2] <= 4.1e-7  # measured 2.0e-7
         assert gaps[1] <= 4.1e-5  # measured 2.0e-5
         assert gaps[0] <= 9e-3  # measured 0.0043

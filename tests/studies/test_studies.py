@@ -118,12 +118,12 @@ def test_captions_of_the_quick_form_name_nothing_that_it_leaves_out(path: Path) 
     quick = study.quickened()
     gone = {*study.models} - {*quick.models}
     gone |= {case.name for case in study.cases} - {case.name for case in quick.cases}
-    said = [text for f in quick.figures for text in (f.title, f.caption)]
-    said += [gate.rationale for gate in quick.gates]
-    told = {
-        name for name in gone for text in said if re.search(rf"\bthe {re.escape(name)}\b", text)
+    words = [text for f in quick.figures for text in (f.title, f.caption)]
+    words += [gate.rationale for gate in quick.gates]
+    values = {
+        name for name in gone for text in words if re.search(rf"\bthe {re.escape(name)}\b", text)
     }
-    assert not told
+    assert not values
 
 
 def test_the_flagship_has_a_reference_inside_its_domain_in_its_quick_form() -> None:

@@ -22,10 +22,10 @@ Maker = Callable[..., pd.DataFrame]
 def push_outs(**changes: object) -> pd.DataFrame:
     """Six good push-outs of a 19 mm stud, with some columns changed."""
     loads = [101.3, 108.4, 97.2, 104.9, 110.6, 99.8]
-    told = {"campaign": "our lab", "specimen": [f"s{i}" for i in range(6)], "test": "push-out",
+    values = {"campaign": "our lab", "specimen": [f"s{i}" for i in range(6)], "test": "push-out",
             "diameter_mm": 19.0, "height_mm": 100.0, "fcm_MPa": 31.0, "fu_MPa": 470.0,
             "shear_kN": loads, "slip_at_max_mm": [6.1, 7.2, 6.6, 5.9, 7.0, 6.8]}  # fmt: skip
-    frame = pd.DataFrame(told)
+    frame = pd.DataFrame(values)
     return frame.assign(**{k: v(frame) if callable(v) else v for k, v in changes.items()})
 
 
@@ -101,30 +101,30 @@ ABSURD: dict[str, tuple[pd.DataFrame, str]] = {
 
 @pytest.mark.parametrize("name", ABSURD)
 def test_data_check_names_the_suspicion(name: str, tmp_path: Path) -> None:
-    table, said = ABSURD[name]
+    table, words = ABSURD[name]
     file = tmp_path / "lab.csv"
     table.to_csv(file, index=False)
     problems, doubts = check_file(file)
-    if not said:
+    if not words:
         assert problems == doubts == []
     else:
-        assert any(said in text for text in (*problems, *doubts)), (problems, doubts)
+        assert any(words in text for text in (*problems, *doubts)), (problems, doubts)
 
 
 @pytest.mark.parametrize(
     "name", ["kip", "slips in inches", "one test under two names", "one load of two studs"]
 )
 def test_fits_of_strength_warn(name: str) -> None:
-    table, said = ABSURD[name]
+    table, text = ABSURD[name]
     fit = fit_strength(from_frame(table, TESTS), "roik-mean")
-    assert said in fit.findings[0].text
+    assert text in fit.findings[0].text
     assert fit.findings[0].subject == "data"
 
 
 @pytest.mark.parametrize("name", ["swapped references", "copied column", "remaining life"])
 def test_fits_of_what_is_left_warn(name: str) -> None:
-    table, said = ABSURD[name]
-    assert said in fit_residual(from_frame(table, TESTS)).findings[0].text
+    table, text = ABSURD[name]
+    assert text in fit_residual(from_frame(table, TESTS)).findings[0].text
 
 
 def test_the_command_line_tells_problems_from_suspicions(
@@ -167,8 +167,8 @@ def test_a_companion_is_a_test_for_fits_in_like_concrete() -> None:
         use_for_fit=[1, 1, 0, 1, 1, 1],
         fcm_MPa=[31.0, 32.0, 31.0, 20.0, 30.0, 31.0],
     )
-    (found,) = damaged_rows(from_frame(rows, TESTS), "strength")["ratio"]
-    assert found == pytest.approx(80.0 / 102.0)
+    (result,) = damaged_rows(from_frame(rows, TESTS), "strength")["ratio"]
+    assert result == pytest.approx(80.0 / 102.0)
     absurd = from_frame(rows.assign(shear_kN=[10.0, 10.4, 15.0, 6.0, 10.2, 80.0]), TESTS)
     with pytest.raises(ValueError, match=r"our lab s5 = '7\.84 times the undamaged tests'"):
         damaged_rows(absurd, "strength")
@@ -178,8 +178,8 @@ def test_outliers_are_named_and_may_weigh_less(damaged: Maker) -> None:
     table = damaged(4, 6, origin="measured")
     table.loc[3, "shear_kN"] = 140.0
     fit = fit_residual(table)
-    (found,) = [each for each in fit.findings if each.subject == "outlier"]
-    assert "outlier: lab 0 s3, 1.4 where the others give" in found.text
+    (finding,) = [each for each in fit.findings if each.subject == "outlier"]
+    assert "outlier: lab 0 s3, 1.4 where the others give" in finding.text
     clean = fit_residual(table.drop(index=3)).left([0.8])[0]
     robust = fit_residual(table, loss="bisquare").left([0.8])[0]
     assert abs(robust - clean) < 0.5 * abs(fit.left([0.8])[0] - clean)
@@ -187,8 +187,10 @@ def test_outliers_are_named_and_may_weigh_less(damaged: Maker) -> None:
 
 def test_an_outlier_is_told_once() -> None:
     table = from_frame(ABSURD["a slip of the pen"][0], TESTS)
-    found = [each for each in fit_strength(table, "aisc360").findings if each.subject == "outlier"]
-    assert len(found) == 1
+    findings = [
+        each for each in fit_strength(table, "aisc360").findings if each.subject == "outlier"
+    ]
+    assert len(findings) == 1
 
 
 def test_shipped_tables_look_right() -> None:

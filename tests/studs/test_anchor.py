@@ -20,8 +20,8 @@ def test_every_life_ends_at_its_peak(name: str) -> None:
     assert (left[0], left[-1]) == pytest.approx((1.0, 0.45))
     assert np.all(np.diff(left) <= 1e-12)
     assert relation.formula.endswith("P_max/P_u = 0.45")
-    own = ANCHORED[name].at(np.array([0.3, 0.6]))([1.0, 1.0], THETA[name])
-    assert own == pytest.approx([0.3, 0.6])
+    given = ANCHORED[name].at(np.array([0.3, 0.6]))([1.0, 1.0], THETA[name])
+    assert given == pytest.approx([0.3, 0.6])
 
 
 @pytest.mark.parametrize(
@@ -64,10 +64,10 @@ def weights(fit: ResidualFit) -> dict[str, float]:
 def test_the_law_of_the_laboratories_is_found(name: str) -> None:
     table = fatigue(ANCHORED[name])
     fit = fit_residual(table)
-    found = weights(fit)
-    assert set(found) == {*RELATIONS, *ANCHORED}
+    result = weights(fit)
+    assert set(result) == {*RELATIONS, *ANCHORED}
     # a power with the exponent one is that of Oehlers
-    mine = found[name] + (found["anchored-power"] if name == "oehlers" else 0.0)
+    mine = result[name] + (result["anchored-power"] if name == "oehlers" else 0.0)
     assert mine > 0.9
     for peak in (0.35, 0.6):
         assert float(fit.left(1.0, peak)) == pytest.approx(peak, abs=0.04)
@@ -85,9 +85,9 @@ def test_unseen_tests_are_judged_at_their_own_peak() -> None:
 def test_without_peaks_nothing_is_anchored() -> None:
     fit = fit_residual(fatigue(ANCHORED["oehlers"], predamage_peak_kN=np.nan))
     assert set(weights(fit)) == set(RELATIONS)
-    (found,) = [each for each in fit.findings if "peak of their cycles" in each.text]
-    assert "40 of 40 tests do not tell" in found.text
-    assert found.remedy == "give predamage_peak_kN"
+    (finding,) = [each for each in fit.findings if "peak of their cycles" in each.text]
+    assert "40 of 40 tests do not tell" in finding.text
+    assert finding.remedy == "give predamage_peak_kN"
 
 
 def test_other_damage_has_no_such_end() -> None:

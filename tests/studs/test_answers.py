@@ -259,10 +259,10 @@ def test_one_test_per_campaign_is_no_crash() -> None:
     generator = np.random.default_rng(2)
     ratio = np.exp(0.1 * generator.normal(size=6))
     frame = pd.DataFrame({"campaign": list("abcdef"), "specimen": "s"})
-    found = judge(frame, ratio, np.ones(6))
+    result = judge(frame, ratio, np.ones(6))
     logs = np.log(ratio)
     half = 2.015048 * np.std(logs, ddof=1) / np.sqrt(6)  # t_5(0.95)
-    assert (found.summary["low"], found.summary["high"]) == pytest.approx(
+    assert (result.summary["low"], result.summary["high"]) == pytest.approx(
         (np.exp(logs.mean() - half), np.exp(logs.mean() + half)),
         rel=4.5e-8,  # measured 2.3e-8
     )

@@ -96,8 +96,8 @@ def factor_coverage(runs: int) -> dict[str, float]:
 def curve(generator: Generator, name: str, lab: str, effect: np.ndarray) -> list[dict]:
     """Points of a curve with parameters of its own and a misfit of 2 %."""
     slip = np.geomspace(5e-5, 8e-3, 14)
-    own = effect + np.array([0.45, 0.3]) * generator.normal(size=2)
-    law = OllgaardLaw(1000.0 * float(np.exp(own[0])), 0.65 * float(np.exp(own[1])))
+    given = effect + np.array([0.45, 0.3]) * generator.normal(size=2)
+    law = OllgaardLaw(1000.0 * float(np.exp(given[0])), 0.65 * float(np.exp(given[1])))
     load = 100.0 * law.ratio(slip) * (1.0 + 0.02 * generator.normal(size=14))
     return [
         {"campaign": lab, "specimen": name, "slip_mm": round(1e3 * s, 5), "load_kN": round(q, 4)}
@@ -120,9 +120,9 @@ def band_coverage(runs: int, labs: int = 4, each: int = 6) -> tuple[float, float
                 for row in curve(generator, f"{prefix}{i}", f"lab {j}", effect)
             ]
             tables.append(from_frame(pd.DataFrame(rows), POINTS))
-        found = fit_load_slip(tables[0])
+        result = fit_load_slip(tables[0])
         share = (
-            judge_curves(tables[1], found.shape, found.band, CONFIDENCE).scalars["coverage"].value
+            judge_curves(tables[1], result.shape, result.band, CONFIDENCE).scalars["coverage"].value
         )
         assert share is not None
         shares.append(share)

@@ -25,12 +25,12 @@ Capture = pytest.CaptureFixture[str]
 
 def cycled(**columns: object) -> pd.DataFrame:
     """Four tests after fatigue with 1 to 4 hundred thousand cycles."""
-    told = {
+    values = {
         "campaign": "lab", "specimen": list("abcd"), "test": "push-out", "diameter_mm": 19.0,
         "shear_kN": [99.0, 96.0, 93.0, 90.0], "undamaged_shear_kN": 100.0, "predamage": "fatigue",
         "predamage_cycles": [1e5, 2e5, 3e5, 4e5], **columns,
     }  # fmt: skip
-    return from_frame(pd.DataFrame(told), TESTS)
+    return from_frame(pd.DataFrame(values), TESTS)
 
 
 def test_the_line_of_the_code_is_met() -> None:
@@ -40,9 +40,9 @@ def test_the_line_of_the_code_is_met() -> None:
 
 
 def test_the_share_of_the_life_is_computed() -> None:
-    own = damage_of(cycled(predamage_life_cycles=1e6, predamage_range_kN=30.0))
-    assert own["level"].tolist() == pytest.approx([0.1, 0.2, 0.3, 0.4])
-    assert set(own["measure"]) == {"life fraction"}
+    reference_case = damage_of(cycled(predamage_life_cycles=1e6, predamage_range_kN=30.0))
+    assert reference_case["level"].tolist() == pytest.approx([0.1, 0.2, 0.3, 0.4])
+    assert set(reference_case["measure"]) == {"life fraction"}
     line = damage_of(cycled(predamage_range_kN=30.0))
     assert set(line["measure"]) == {"S-N life fraction"}
     assert line["level"].to_numpy() == pytest.approx(
@@ -70,7 +70,7 @@ def test_a_fit_says_what_speaks_against_the_measure() -> None:
 
 
 @pytest.mark.parametrize(
-    ("columns", "said"),
+    ("columns", "message"),
     [
         ({"predamage_cycles": ""}, "predamage_level.*or predamage_cycles with"),
         ({"predamage_range_kN": 90, "predamage_peak_kN": 40}, "more than from -40 to 40 kN"),
@@ -80,8 +80,8 @@ def test_a_fit_says_what_speaks_against_the_measure() -> None:
         ({"predamage_level": 40, "predamage_measure": "other"}, "40 % is 0.4"),
     ],
 )  # fmt: skip
-def test_contradictions_are_refused(columns: dict[str, object], said: str) -> None:
-    with pytest.raises(InputError, match=said):
+def test_contradictions_are_refused(columns: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
         cycled(**columns)
 
 
@@ -93,9 +93,9 @@ def beyond(most: float, campaigns: int = 3) -> pd.DataFrame:
             left = 1.0 - 0.5 * max(level - 0.4, 0.0) + 0.01 * generator.normal()
             rows.append((f"lab {lab}", f"s{k}", 100.0 * left, level))
     frame = pd.DataFrame(rows, columns=["campaign", "specimen", "shear_kN", "predamage_level"])
-    told = {"test": "push-out", "diameter_mm": 19.0, "undamaged_shear_kN": 100.0,
+    values = {"test": "push-out", "diameter_mm": 19.0, "undamaged_shear_kN": 100.0,
             "predamage": "push-out", "predamage_measure": "displacement ratio"}  # fmt: skip
-    return from_frame(frame.assign(**told), TESTS)
+    return from_frame(frame.assign(**values), TESTS)
 
 
 def test_a_threshold_is_found_and_levels_beyond_one_are_fitted() -> None:

@@ -27,9 +27,9 @@ Capture = pytest.CaptureFixture[str]
 
 def push_outs(rows: list[dict[str, object]]) -> pd.DataFrame:
     """A table of push-outs of 19 mm studs; names where none are given."""
-    told = {"campaign": "lab", "test": "push-out", "diameter_mm": 19.0, "height_mm": 100.0,
+    values = {"campaign": "lab", "test": "push-out", "diameter_mm": 19.0, "height_mm": 100.0,
             "fcm_MPa": 30.0, "fu_MPa": 470.0}  # fmt: skip
-    named = [{"specimen": f"s{i}", **told, **row} for i, row in enumerate(rows)]
+    named = [{"specimen": f"s{i}", **values, **row} for i, row in enumerate(rows)]
     return from_frame(pd.DataFrame(named), TESTS)
 
 
@@ -59,19 +59,19 @@ def after_fatigue(
 @pytest.mark.parametrize("quantity", ["strength", "stiffness"])
 def test_design_rows_are_fractiles_and_lie_in_order(quantity: str) -> None:
     kind = "shear" if quantity == "strength" else quantity
-    found = fit_residual(after_fatigue([6, 6, 6, 6], kind), quantity)
-    rows = found.design_rows(0.9)
-    assert rows["level"].tolist() == pytest.approx([0.25, 0.5, 0.75, found.levels[1]])
+    fit = fit_residual(after_fatigue([6, 6, 6, 6], kind), quantity)
+    rows = fit.design_rows(0.9)
+    assert rows["level"].tolist() == pytest.approx([0.25, 0.5, 0.75, fit.levels[1]])
     names = ["characteristic", "low", "median", "high"]
     for smaller, larger in pairwise(names):
         assert (rows[smaller] < rows[larger]).all(), (smaller, larger)
     # 0.1 % of new tests lie far below 5 %: perhaps nothing is left, and then no value is given
-    told = rows[rows["design"].notna()]
-    assert (told["design"] < told["characteristic"]).all()
-    assert (told["design"] > 0.0).all()
-    fractiles = found.quantiles(rows["level"], (0.05, 0.001))
+    statements = rows[rows["design"].notna()]
+    assert (statements["design"] < statements["characteristic"]).all()
+    assert (statements["design"] > 0.0).all()
+    fractiles = fit.quantiles(rows["level"], (0.05, 0.001))
     assert rows["characteristic"].to_numpy() == pytest.approx(fractiles[0])
-    assert told["design"].to_numpy() == pytest.approx(fractiles[1][rows["design"].notna()])
+    assert statements["design"].to_numpy() == pytest.approx(fractiles[1][rows["design"].notna()])
 
 
 def test_without_campaigns_there_is_no_band_of_the_median() -> None:
@@ -139,12 +139,12 @@ def combined(exponent: float, sigma: float, campaigns: int = 3, seed: int = 5) -
 
 @pytest.mark.parametrize("exponent", [1.0, 5.0 / 3.0, 4.0])
 def test_the_exponent_is_found_again(exponent: float) -> None:
-    found = fit_interaction(combined(exponent, 0.0))
-    assert found.exponent == pytest.approx(exponent, rel=1e-4)
-    own = {1.0: "linear", 5.0 / 3.0: "five-thirds"}.get(exponent)
-    medians = {name: judged.summary["test_over_prediction"] for name, judged in found.laws}
-    if own:
-        assert medians[own] == pytest.approx(1.0, abs=1e-3)
+    fit = fit_interaction(combined(exponent, 0.0))
+    assert fit.exponent == pytest.approx(exponent, rel=1e-4)
+    values = {1.0: "linear", 5.0 / 3.0: "five-thirds"}.get(exponent)
+    medians = {name: judged.summary["test_over_prediction"] for name, judged in fit.laws}
+    if values:
+        assert medians[values] == pytest.approx(1.0, abs=1e-3)
     noisy = fit_interaction(combined(exponent, 0.04))
     interval = noisy.fitted.parameters["exponent"]
     assert interval.low is not None
@@ -205,8 +205,8 @@ def test_reductions_of_decks(
     area, concrete = 0.25 * np.pi * 0.019**2, sqrt(30e6 * 4733e6 * sqrt(30.0))
     terms = np.array([0.8 * area * 470e6, 0.29 * 0.019**2 * concrete])
     expected = np.nan if k is None else k * terms.min()
-    found = SHEAR_MODELS["en1994"].of(tests)[0]
-    assert found == pytest.approx(expected, rel=1e-6, nan_ok=True)
+    result = SHEAR_MODELS["en1994"].of(tests)[0]
+    assert result == pytest.approx(expected, rel=1e-6, nan_ok=True)
     expected = np.nan if steel is None else min(steel * 0.75 * area * 470e6, 0.5 * area * concrete)
     assert SHEAR_MODELS["aisc360"].of(tests)[0] == pytest.approx(expected, rel=1e-6, nan_ok=True)
     assert np.isnan(SHEAR_MODELS["ollgaard"].of(tests)[0])  # no rule for decks

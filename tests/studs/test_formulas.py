@@ -130,8 +130,8 @@ def test_every_formula_says_what_of_its_source_was_read() -> None:
     assert all(any(word in each.source for word in words) for each in FORMULAS.values())
     assert {each.load for each in SHEAR_MODELS.values()} == {"shear"}
     assert {each.load for each in TENSION_MODELS.values()} == {"tension"}
-    told = FORMULAS["en1992-tension"].formula
-    assert told == "P = min(1 A_s f_u; 12.7 √f_c h_ef^1.5; 10.5 A_h f_c)"
+    statements = FORMULAS["en1992-tension"].formula
+    assert statements == "P = min(1 A_s f_u; 12.7 √f_c h_ef^1.5; 10.5 A_h f_c)"
     assert FORMULAS["en1992-shear"].formula.endswith("k = 2 from h_ef = 60 mm on, else 1")
 
 

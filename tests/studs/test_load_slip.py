@@ -149,8 +149,8 @@ def test_population_counts_curves_not_points(curves: pd.DataFrame) -> None:
     assert len(fit.rows) == 24
     assert len(fit.skipped) == 4  # the noisy initial branches
     assert fit.summary()["campaigns"] == "lehigh279, mcgarraugh1971, provines2019"
-    for found in fit.population.values():
-        median = found.parameters["median"]
+    for result in fit.population.values():
+        median = result.parameters["median"]
         assert median.low < median.value < median.high
     dense = curves[(curves["specimen"] == "P4") & (curves["use_for_fit"] == 1.0)]
     repeated = pd.concat([curves, dense, dense], ignore_index=True)
@@ -169,7 +169,7 @@ def test_band_holds_the_curves_it_was_made_of(curves: pd.DataFrame) -> None:
 
 def test_what_is_left_out_is_covered_as_if_it_were_unseen(curves: pd.DataFrame) -> None:
     few = curves[curves["campaign"] != "provines2019"]
-    found = fit_load_slip(few, "bilinear")
+    fit = fit_load_slip(few, "bilinear")
     for kind, keys in (("curves", ["campaign", "specimen"]), ("campaigns", ["campaign"])):
         inside: list[float] = []
         for _, left in few.groupby(keys):
@@ -177,7 +177,7 @@ def test_what_is_left_out_is_covered_as_if_it_were_unseen(curves: pd.DataFrame) 
             with contextlib.suppress(InputError):  # a mean curve, or one of a single point
                 rows = fit_load_slip(rest, "bilinear").judge(left).rows
                 inside += rows.loc[rows["points"] >= 3, "inside"].tolist()
-        assert found.coverage[kind] == pytest.approx(np.mean(inside), rel=1e-9)
+        assert fit.coverage[kind] == pytest.approx(np.mean(inside), rel=1e-9)
     alone = fit_load_slip(few[few["campaign"] == "lehigh279"], "bilinear")
     assert alone.coverage["campaigns"] is None
 
@@ -202,8 +202,8 @@ def squares(law: str, start: np.ndarray, curve: tuple[np.ndarray, np.ndarray]) -
     slip, ratio = curve
 
     def error(theta: np.ndarray) -> np.ndarray:
-        own = {**dict(zip(names, np.exp(theta).tolist(), strict=True)), **LAWS[law].held}
-        return LAWS[law].fitted(own, float(slip.max())).ratio(slip) - ratio
+        values = {**dict(zip(names, np.exp(theta).tolist(), strict=True)), **LAWS[law].held}
+        return LAWS[law].fitted(values, float(slip.max())).ratio(slip) - ratio
 
     low, high = (np.log([LAWS[law].bounds[name][k] for name in names]) for k in (0, 1))
     tight = {"xtol": 1e-10, "ftol": 1e-10, "gtol": 1e-10}

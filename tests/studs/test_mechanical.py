@@ -301,8 +301,10 @@ def test_calibration_meets_its_own_campaign(fitted: MechanicalFit) -> None:
     assert fitted.rows["strength_ratio"].min() > 1.0  # limited by the shank; measured 1.036
     # the model tells cast in place (66 MPa) from precast (52 MPa) without a parameter for it
     for kind in ("CIP", "PC"):
-        own = fitted.rows[fitted.rows["specimen"].str.endswith(kind)]
-        assert own["mechanism_ratio"].mean() == pytest.approx(1.0, abs=0.015)  # measured 0.0073
+        reference_case = fitted.rows[fitted.rows["specimen"].str.endswith(kind)]
+        assert reference_case["mechanism_ratio"].mean() == pytest.approx(
+            1.0, abs=0.015
+        )  # measured 0.0073
     assert fitted.rows["slip_ratio"].mean() == pytest.approx(1.0, abs=0.02)  # measured 0.0093
     assert max(fitted.standard_errors.values()) < 0.14  # measured 0.072
     json.dumps(plain({"fit": fitted.summary(), **fitted.tables()}), allow_nan=False)
@@ -330,8 +332,8 @@ def test_the_band_varies_its_parameters_jointly() -> None:
     assert joint.low[1] <= min(each.low[1] for each in single) + 1e-3
     assert joint.high[1] >= max(each.high[1] for each in single) - 1e-3
     corner = Surroundings(cone_loss=1.0, rupture_strain=0.2)
-    found, _ = residual_ratios(STUD, corner, (0.0, 0.75), "displacement ratio", 40)
-    assert joint.low[1] <= found[1] <= joint.high[1]
+    result, _ = residual_ratios(STUD, corner, (0.0, 0.75), "displacement ratio", 40)
+    assert joint.low[1] <= result[1] <= joint.high[1]
 
 
 def test_validation_shows_what_the_limits_change(
@@ -386,7 +388,7 @@ def test_friction_needs_no_run_of_its_own() -> None:
     stud, around = Stud.of_concrete(0.019, 0.1, 30e6, 450e6), Surroundings()
     unit = push_out(stud, replace(around, friction=1.0), steps=20)
     for coefficient in (0.0, 0.4):
-        own = push_out(stud, replace(around, friction=coefficient), steps=20)
+        reference_case = push_out(stud, replace(around, friction=coefficient), steps=20)
         shown = unit.rubbing(coefficient)
-        assert shown.load == pytest.approx(own.load, rel=1e-12)
-        assert shown.friction == pytest.approx(own.friction, rel=1e-12)
+        assert shown.load == pytest.approx(reference_case.load, rel=1e-12)
+        assert shown.friction == pytest.approx(reference_case.friction, rel=1e-12)

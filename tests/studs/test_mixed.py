@@ -95,9 +95,9 @@ def test_nonlinear_and_linear_solvers_agree() -> None:
     assert general.theta == pytest.approx(linear.theta, abs=2.3e-8)  # measured 1.2e-8
     # measured 4.4e-6
     assert (general.sigma, general.tau) == pytest.approx((linear.sigma, linear.tau), rel=8.7e-6)
-    own, other = (profile_interval(e, "slope", 0.9) for e in (general, linear))
+    given, other = (profile_interval(e, "slope", 0.9) for e in (general, linear))
     # measured 1.0e-8
-    assert (own.low, own.high) == pytest.approx((other.low, other.high), abs=2e-8)
+    assert (given.low, given.high) == pytest.approx((other.low, other.high), abs=2e-8)
 
 
 def test_weights_act_like_repeated_rows() -> None:

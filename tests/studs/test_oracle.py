@@ -60,14 +60,14 @@ def test_bias_and_scatters_are_those_of_statsmodels(
         oracle = mixed.MixedLM(ratio, design, groups=table["campaign"].to_numpy(str)).fit(
             reml=True, method="powell", xtol=1e-10, ftol=1e-12
         )
-    found = fit_strength(table, "roik-mean", trends=trends).fitted
-    assert found.parameters["bias"].value == pytest.approx(exp(oracle.fe_params[0]), rel=TOLERANCE)
+    fit = fit_strength(table, "roik-mean", trends=trends).fitted
+    assert fit.parameters["bias"].value == pytest.approx(exp(oracle.fe_params[0]), rel=TOLERANCE)
     if trends:
-        slope = found.parameters["diameter"].value
+        slope = fit.parameters["diameter"].value
         assert slope == pytest.approx(oracle.fe_params[1], rel=TOLERANCE)
-    assert found.sigma.value == pytest.approx(sqrt(oracle.scale), rel=TOLERANCE)
-    assert found.tau.value == pytest.approx(sqrt(oracle.cov_re[0, 0]), rel=TOLERANCE)
-    error = sqrt(found.estimate.covariance[0, 0])
+    assert fit.sigma.value == pytest.approx(sqrt(oracle.scale), rel=TOLERANCE)
+    assert fit.tau.value == pytest.approx(sqrt(oracle.cov_re[0, 0]), rel=TOLERANCE)
+    error = sqrt(fit.estimate.covariance[0, 0])
     assert error == pytest.approx(oracle.bse_fe[0], rel=TOLERANCE)
 
 
@@ -76,10 +76,10 @@ def test_the_interval_of_balanced_campaigns_is_that_of_their_means() -> None:
     effects = 0.1 * generator.normal(size=(5, 1))
     ratios = 0.95 * np.exp(effects + 0.05 * generator.normal(size=(5, 6)))
     shear = (ratios * formula(19.0, 30.0, 450.0)).ravel()
-    told = {"test": "push-out", "diameter_mm": 19.0, "height_mm": 100.0, "fcm_MPa": 30.0}
+    values = {"test": "push-out", "diameter_mm": 19.0, "height_mm": 100.0, "fcm_MPa": 30.0}
     names = {"campaign": np.repeat([f"lab {j}" for j in range(5)], 6).tolist()}
     frame = pd.DataFrame({**names, "specimen": [f"s{i}" for i in range(30)], "shear_kN": shear})
-    fit = fit_strength(from_frame(frame.assign(**told, fu_MPa=450.0), TESTS), "roik-mean")
+    fit = fit_strength(from_frame(frame.assign(**values, fu_MPa=450.0), TESTS), "roik-mean")
     means = np.log(ratios).mean(axis=1)
     ends = stats.t.interval(0.9, 4, means.mean(), means.std(ddof=1) / sqrt(5))
     interval = profile_interval(fit.fitted.estimate, "bias", 0.9)
@@ -116,10 +116,10 @@ def test_the_chain_of_d8_is_that_of_plain_numpy(table: pd.DataFrame) -> None:
 
 def test_annex_b_is_that_of_plain_arithmetic() -> None:
     loads = np.array([101.0, 108.0, 104.0])
-    told = {"campaign": "lab", "test": "push-out", "diameter_mm": 19, "height_mm": 100}
+    values = {"campaign": "lab", "test": "push-out", "diameter_mm": 19, "height_mm": 100}
     frame = pd.DataFrame({"specimen": ["a", "b", "c"], "shear_kN": loads, "fcm_MPa": 30.0})
     (group,) = evaluate_groups(
-        from_frame(frame.assign(**told, fu_MPa=480.0), TESTS), specified_strength=450e6
+        from_frame(frame.assign(**values, fu_MPa=480.0), TESTS), specified_strength=450e6
     )
     assert np.all(np.abs(loads / loads.mean() - 1.0) <= 0.1)
     assert group.result is not None

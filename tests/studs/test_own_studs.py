@@ -25,25 +25,25 @@ def table(*rows: tuple[float | None, ...]) -> pd.DataFrame:
     """Push-outs of studs (diameter, height, concrete, steel)."""
     columns = dict(zip(USUAL, zip(*rows, strict=True), strict=True))
     names = [f"s{i}" for i in range(len(rows))]
-    told = {"campaign": "our lab", "specimen": names, "test": "push-out", "shear_kN": 100.0}
-    return from_frame(pd.DataFrame({**told, **columns}), TESTS)
+    values = {"campaign": "our lab", "specimen": names, "test": "push-out", "shear_kN": 100.0}
+    return from_frame(pd.DataFrame({**values, **columns}), TESTS)
 
 
 def test_studs_of_a_table_are_told_apart_and_averaged() -> None:
-    found, _ = studs_of(
+    result, _ = studs_of(
         table((16, 90, 40, 480), (19, 100, 30, 450), (19, 100, 32, 460), (19.05, 100, 31, 440)),
         NOTHING,
     )
-    assert [each.tests for each in found] == [3, 1]
-    assert found[0].stud.title == "19.02 x 100 mm, f_c 31 MPa, f_u 450 MPa"
-    assert found[1].stud.title == "16 x 90 mm, f_c 40 MPa, f_u 480 MPa"
-    assert not any(each.assumed for each in found)
+    assert [each.tests for each in result] == [3, 1]
+    assert result[0].stud.title == "19.02 x 100 mm, f_c 31 MPa, f_u 450 MPa"
+    assert result[1].stud.title == "16 x 90 mm, f_c 40 MPa, f_u 480 MPa"
+    assert not any(each.assumed for each in result)
 
 
 def test_a_stocky_stud_is_refused_and_takes_none_from_the_others() -> None:
     stocky, usual = (19, 75, 30, 450), (19, 100, 30, 450)
-    found, refused = studs_of(table(stocky, stocky, usual), NOTHING)
-    assert [each.stud.height for each in found] == pytest.approx([0.1])
+    result, refused = studs_of(table(stocky, stocky, usual), NOTHING)
+    assert [each.stud.height for each in result] == pytest.approx([0.1])
     assert "stud.height = 0.075: must be 4 diameters or more; stockier studs may pry" in refused[0]
     with pytest.raises(InputError, match="4 diameters"):
         studs_of(table(stocky), NOTHING)
@@ -78,12 +78,12 @@ def test_a_laboratory_without_damaged_tests_gets_its_own_stud(
     rows.assign(shear_kN=[88.0, 90.0, 92.0], use_for_fit=1).to_csv(file, index=False)
     assert run(["fit", "residual", str(file), "--json"]) == 0
     results = json.loads(capsys.readouterr().out)["results"]
-    own = short(Stud.of_concrete(0.016, 0.09, 40e6, 480e6), model.around)
+    given = short(Stud.of_concrete(0.016, 0.09, 40e6, 480e6), model.around)
     studs = [fit["stud"] for fit in results["fit"]]
     assert studs == ["16 x 90 mm, f_c 40 MPa, f_u 480 MPa"] * 2
     assert all("assumed" not in row["sentence"] for row in results["findings"])
     left = [row["left"] for row in results["curve"] if row["of"] == "strength"]
-    assert left[20] == pytest.approx(own.ratio[1])
+    assert left[20] == pytest.approx(given.ratio[1])
     assert run(["fit", "residual", "--json", "--quantity", "strength"]) == 0
     usual = json.loads(capsys.readouterr().out)["results"]
     assert usual["fit"][0]["stud"] == "19 x 100 mm, f_c 30 MPa, f_u 450 MPa"

@@ -13,10 +13,10 @@ from workbench.studs.reading import from_frame
 def table(**changes: object) -> pd.DataFrame:
     """Eight push-outs of two campaigns, with some columns changed."""
     loads = [101.3, 108.4, 97.2, 104.9, 110.6, 99.8, 103.1, 106.0]
-    told = {"campaign": ["lab 1"] * 4 + ["lab 2"] * 4, "specimen": [f"s{i}" for i in range(8)],
+    values = {"campaign": ["lab 1"] * 4 + ["lab 2"] * 4, "specimen": [f"s{i}" for i in range(8)],
             "test": "push-out", "diameter_mm": 19.0, "height_mm": 100.0, "fcm_MPa": 31.0,
             "fu_MPa": 470.0, "shear_kN": loads, "use_for_fit": 1}  # fmt: skip
-    return from_frame(pd.DataFrame(told).assign(**changes), TESTS)
+    return from_frame(pd.DataFrame(values).assign(**changes), TESTS)
 
 
 def last(value: object, other: object) -> list[object]:
@@ -44,9 +44,9 @@ def test_a_stud_that_a_formula_has_no_value_for_takes_no_other_with_it() -> None
 
 def test_a_series_may_have_cylinders_that_scatter() -> None:
     strengths = [31.0, 32.5, 30.2, 33.0, 20.0, 25.0, 31.0, 26.0]
-    found = evaluate_groups(table(fcm_MPa=strengths), specified_strength=450e6)
-    assert [each.tests for each in found] == [4, 1, 2, 1]
-    assert found[0].result is not None
+    evaluation = evaluate_groups(table(fcm_MPa=strengths), specified_strength=450e6)
+    assert [each.tests for each in evaluation] == [4, 1, 2, 1]
+    assert evaluation[0].result is not None
 
 
 def test_curves_must_be_those_of_the_tests() -> None:
@@ -69,9 +69,9 @@ def test_the_design_function_takes_the_specified_strength_up_to_500_mpa() -> Non
     rows = table(fcm_MPa=[80.0 + i for i in range(8)])  # the steel governs
 
     def nominal(specified: float | None) -> float:
-        found = fit_strength(rows, specified_strength=specified).d8.r_nominal
-        assert found is not None
-        return found
+        fit = fit_strength(rows, specified_strength=specified).d8.r_nominal
+        assert fit is not None
+        return fit
 
     area = np.pi * 19.0**2 / 4.0
     assert nominal(None) == pytest.approx(0.8 * 470.0 * area)

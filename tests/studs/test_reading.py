@@ -218,9 +218,9 @@ def test_bad_rows_take_nothing_else_with_them(tmp_path: Path) -> None:
         tmp_path, GOOD, "lab,A2,push-out,19,100,30,450,-1", "lab,A3,push-out,x,100,30,450,y",
         "lab,A4,push-out,19,100,30,450,99",
     )  # fmt: skip
-    found = examine(path, TESTS)
-    assert found.rows["specimen"].tolist() == ["A1", "A4"]
-    assert [(p.line, p.column) for p in found.problems] == [
+    result = examine(path, TESTS)
+    assert result.rows["specimen"].tolist() == ["A1", "A4"]
+    assert [(p.line, p.column) for p in result.problems] == [
         (3, "shear_kN"), (4, "diameter_mm"), (4, "shear_kN"),
     ]  # fmt: skip
     assert read_tests(path, keep_good=True)["specimen"].tolist() == ["A1", "A4"]

@@ -37,9 +37,9 @@ def test_references_by_hand() -> None:
     assert rows["reference"].to_numpy() == pytest.approx(100.0)
     assert set(rows["reference_tests"]) == {3.0}
     assert (rows["uncertainty"] / rows["ratio"]).to_numpy() == pytest.approx(0.04 / np.sqrt(3.0))
-    own = damaged_rows(laboratory([], 100.0), "strength")
-    assert set(own["reference_tests"]) == {0.0}
-    assert own["uncertainty"].isna().all()
+    given = damaged_rows(laboratory([], 100.0), "strength")
+    assert set(given["reference_tests"]) == {0.0}
+    assert given["uncertainty"].isna().all()
 
 
 def test_scatter_is_pooled_over_groups() -> None:

@@ -73,9 +73,9 @@ def test_the_power_relation_is_chosen_and_recovered(damaged: Maker, c: float, p:
     fit = fit_residual(damaged(8, 8, c, p, 0.03, 0.02))
     assert fit.relation.name == "power"
     assert fit.fitted is not None
-    found = fit.fitted.parameters
-    assert found["c"].low < c < found["c"].high
-    assert found["p"].low < p < found["p"].high
+    result = fit.fitted.parameters
+    assert result["c"].low < c < result["c"].high
+    assert result["p"].low < p < result["p"].high
     low, high = fit.band([0.2, 0.8])
     assert np.all((low < fit.left([0.2, 0.8])) & (fit.left([0.2, 0.8]) < high))
 
@@ -127,9 +127,9 @@ def test_validation_refuses_seen_rows(damaged: Maker) -> None:
     fit = fit_residual(seen)
     with pytest.raises(InputError, match="was used for the fit"):
         fit.judge(table)
-    found = fit.judge(unseen)
-    assert len(found.rows) == 8
-    error = found.rows["test"] - found.rows["prediction"]
+    result = fit.judge(unseen)
+    assert len(result.rows) == 8
+    error = result.rows["test"] - result.rows["prediction"]
     assert np.sqrt(np.mean(error**2)) < 0.079  # measured 0.0395
 
 
@@ -142,9 +142,9 @@ def test_the_reference_may_come_from_companions() -> None:
         {"campaign": "b", "specimen": "d1", "test": "push-out", "diameter_mm": 19, "shear_kN": 84,
          "predamage": "pull-out", "predamage_measure": "load ratio", "predamage_level": 0.6},
     ]  # fmt: skip
-    found = damaged_rows(from_frame(pd.DataFrame(rows), TESTS), "strength")
-    assert found["campaign"].tolist() == ["a"]  # campaign b has nothing to compare with
-    assert found["ratio"].tolist() == [pytest.approx(0.8)]
+    result = damaged_rows(from_frame(pd.DataFrame(rows), TESTS), "strength")
+    assert result["campaign"].tolist() == ["a"]  # campaign b has nothing to compare with
+    assert result["ratio"].tolist() == [pytest.approx(0.8)]
 
 
 def test_relations_start_whole_and_refuse_other_levels() -> None:

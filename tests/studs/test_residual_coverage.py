@@ -38,14 +38,14 @@ def laboratory(
     effect = BETWEEN * generator.normal(size=len(sizes))[groups]
     error = effect + WITHIN * generator.normal(size=len(groups))
     left = np.maximum(TRUTHS[truth](level) + error, 0.01)
-    told = {"test": "push-out", "diameter_mm": 19, "undamaged_shear_kN": 100.0,
+    values = {"test": "push-out", "diameter_mm": 19, "undamaged_shear_kN": 100.0,
             "predamage": "fatigue", "predamage_measure": "life fraction"}  # fmt: skip
     names = {
         "campaign": [f"lab {g}" for g in groups],
         "specimen": [f"s{i}" for i in range(len(groups))],
     }
     frame = pd.DataFrame({**names, "predamage_level": level, "shear_kN": 100.0 * left})
-    return from_frame(frame.assign(**told), TESTS)
+    return from_frame(frame.assign(**values), TESTS)
 
 
 def measured(truth: str, runs: int, seed: int) -> tuple[float, float, float, float]:
@@ -121,9 +121,9 @@ def test_few_campaigns_give_no_characteristic_value(sizes: list[int]) -> None:
     """EN 1990 D.8 on the tests that the relation was fitted to: 15 to 19 % of new ones below."""
     fit = fit_residual(laboratory(np.random.default_rng(1), "linear", sizes))
     assert fit.design_rows()[["characteristic", "design"]].isna().all(axis=None)
-    told = " ".join(f"{finding.text} {finding.remedy}" for finding in fit.findings)
-    assert "no characteristic or design value" in told
-    assert "fit few-tests with a scatter that is known" in told
+    findings = " ".join(f"{finding.text} {finding.remedy}" for finding in fit.findings)
+    assert "no characteristic or design value" in findings
+    assert "fit few-tests with a scatter that is known" in findings
 
 
 def test_a_parameter_that_reaches_its_bound_does_not_end_a_fit() -> None:

@@ -80,9 +80,9 @@ def test_an_unknown_formula_is_refused() -> None:
 
 def test_ranges_of_the_codes_are_told(push_outs: pd.DataFrame) -> None:
     tests = specimens(push_outs[push_outs["use_for_fit"] == 1.0])
-    found = SHEAR_MODELS["en1994"].findings(tests)
-    assert any("1 of 26 tests outside d = 16 to 25 mm" in each.text for each in found)  # P8
-    assert any("25 of 26 tests outside f_u up to 500 MPa" in each.text for each in found)
+    findings = SHEAR_MODELS["en1994"].findings(tests)
+    assert any("1 of 26 tests outside d = 16 to 25 mm" in each.text for each in findings)  # P8
+    assert any("25 of 26 tests outside f_u up to 500 MPa" in each.text for each in findings)
     (aisc,) = SHEAR_MODELS["aisc360"].findings(tests)
     assert aisc.text == (
         "1 of 26 tests outside h/d from 5 of AISC 360-22, solid slab (Rg = 1, Rp = 0.75)"

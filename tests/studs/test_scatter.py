@@ -66,10 +66,10 @@ def test_different_scatters_are_told_apart() -> None:
 
 def one_type(**changes: object) -> pd.DataFrame:
     loads = [101.3, 108.4, 97.2, 104.9, 110.6, 99.8]
-    told = {"campaign": ["a", "a", "a", "b", "b", "b"], "specimen": list("uvwxyz"),
+    values = {"campaign": ["a", "a", "a", "b", "b", "b"], "specimen": list("uvwxyz"),
             "test": "push-out", "diameter_mm": 19.0, "height_mm": 100.0, "slab": "solid",
             "fcm_MPa": 31.0, "fu_MPa": 470.0, "shear_kN": loads}  # fmt: skip
-    return pd.DataFrame({**told, **changes})
+    return pd.DataFrame({**values, **changes})
 
 
 def test_one_type_of_stud_tells_no_formula_apart(
@@ -80,26 +80,26 @@ def test_one_type_of_stud_tells_no_formula_apart(
     models = ["--model", "aisc360", "--model", "en1994", "--model", "roik-mean"]
     arguments = ["fit", "stud-strength", str(file), *models]
     assert run([*arguments, "--json", "--report", str(report)]) == 0
-    found = json.loads(capsys.readouterr().out)
-    first, *rivals = found["results"]["ranking"]
+    answer = json.loads(capsys.readouterr().out)
+    first, *rivals = answer["results"]["ranking"]
     assert first["of"] == "AISC 360-22"  # the first: none is better
     assert [each["apart"] for each in rivals] == [False, False]
     assert [each["ratio"] for each in rivals] == pytest.approx([1.0, 1.0])
-    said = "the tests cannot tell AISC 360-22, solid slab (Rg = 1, Rp = 0.75) from EN 1994-1-1, "
-    assert said + "EN 1994-1-1, mean form" in report.read_text()
+    text = "the tests cannot tell AISC 360-22, solid slab (Rg = 1, Rp = 0.75) from EN 1994-1-1, "
+    assert text + "EN 1994-1-1, mean form" in report.read_text()
     assert run(arguments) == 0
-    assert said in " ".join(capsys.readouterr().out.split())
+    assert text in " ".join(capsys.readouterr().out.split())
 
 
 def test_tests_in_decks_do_not_leave_silently() -> None:
     decks = one_type(campaign="d", slab="deck transverse", deck_depth_mm=55.0, deck_width_mm=100.0)
     table = from_frame(pd.concat([one_type(), decks]), TESTS)
-    (found,) = [e for e in fit_strength(table, "en1994").findings if "left out" in e.text]
-    assert found.text == (
+    (finding,) = [e for e in fit_strength(table, "en1994").findings if "left out" in e.text]
+    assert finding.text == (
         "6 of 12 tests in profiled decks are left out: d u, d v, d w, d x, d y, and 1 more"
     )
-    assert found.remedy == "--slab deck"
-    (found,) = [
+    assert finding.remedy == "--slab deck"
+    (finding,) = [
         e for e in fit_strength(table, "en1994", slab="deck").findings if "left out" in e.text
     ]
-    assert "6 of 12 tests in solid slabs are left out" in found.text
+    assert "6 of 12 tests in solid slabs are left out" in finding.text

@@ -69,13 +69,13 @@ def check(
     for seed in seeds:
         path.write_text(table(seed, 0.85 if "residual" in verb else 0.05, verb))
         status = run([*verb, str(path)])
-        said = capsys.readouterr()
-        assert status in (0, 2), (seed, said.err)
-        assert "Traceback" not in said.err, seed
+        output = capsys.readouterr()
+        assert status in (0, 2), (seed, output.err)
+        assert "Traceback" not in output.err, seed
         if status == 0:
-            assert "residual" not in verb or "GRADE: " in said.out, seed
+            assert "residual" not in verb or "GRADE: " in output.out, seed
         else:
-            assert said.err.count("\n") == 1, seed
+            assert output.err.count("\n") == 1, seed
         counts[status == 2] += 1
     return counts[0], counts[1]
 

@@ -64,7 +64,7 @@ def test_d8_by_hand() -> None:
     g = 95: r_k = 1.0791307 x 95 x exp(-1.64 x 0.9797647 x 0.1601471 - 2.6311403 x 0.2001529 x
     0.0327159 - 0.5 x 0.1634546^2) = 76.870197, r_d = 58.258899 likewise; 80 / r_d = 1.3731808.
     """
-    found = evaluate_d8(
+    evaluation = evaluate_d8(
         [100.0, 110.0, 95.0, 105.0],
         [90.0, 100.0, 92.0, 98.0],
         variations={"d": 0.03, "fc": 0.15, "fu": 0.05},
@@ -78,15 +78,15 @@ def test_d8_by_hand() -> None:
         "k_n": 2.6311403, "k_dn": 11.4201937, "r_m": 95.0, "r_k": 76.8701971, "r_d": 58.2588986,
         "gamma_m": 1.3194585, "r_nominal": 80.0, "gamma_m_star": 1.3731808,
     }  # fmt: skip
-    assert asdict(found) == pytest.approx(expected, rel=5e-8)  # measured 2.5e-8
+    assert asdict(evaluation) == pytest.approx(expected, rel=5e-8)  # measured 2.5e-8
 
 
 def test_d8_with_sensitivities() -> None:
     variations = {"d": 0.02, "fc": 0.15}
-    found = evaluate_d8(
+    evaluation = evaluate_d8(
         [1.0, 1.1], [1.0, 1.0], variations=variations, sensitivities={"d": 2.0, "fc": 0.5}
     )
-    assert found.V_rt == pytest.approx(sqrt(0.04**2 + 0.075**2))
+    assert evaluation.V_rt == pytest.approx(sqrt(0.04**2 + 0.075**2))
     some = evaluate_d8([1.0, 1.1], [1.0, 1.0], variations=variations, sensitivities={"d": 2.0})
     assert some.V_rt == pytest.approx(sqrt(0.04**2 + 0.15**2))  # others enter as they are
     exponents = sensitivities_of(
@@ -168,16 +168,18 @@ def falling(top: float, end: float) -> tuple[list[float], list[float]]:
 def test_annex_b_by_hand() -> None:
     # mean 100, largest deviation 5 %; P_Rk = 0.9 x 95 = 85.5; P_Rd = 450/500 x 85.5 / 1.25 = 61.56
     curves = [falling(100e3, 60e3), falling(105e3, 65e3), falling(95e3, 75e3)]
-    found = evaluate_series(
+    evaluation = evaluate_series(
         [100e3, 105e3, 95e3], specified_strength=450e6, measured_strength=500e6, curves=curves
     )
-    assert (found.mean, found.lowest, found.deviation) == pytest.approx((100e3, 95e3, 0.05))
-    assert (found.P_Rk, found.P_Rd) == pytest.approx((85.5e3, 61.56e3))
+    assert (evaluation.mean, evaluation.lowest, evaluation.deviation) == pytest.approx(
+        (100e3, 95e3, 0.05)
+    )
+    assert (evaluation.P_Rk, evaluation.P_Rd) == pytest.approx((85.5e3, 61.56e3))
     # on the falling line of the first: 4 + 8 x 14.5 / 40 = 6.9 mm; third: 4 + 8 x 9.5/20 = 7.8
-    assert found.slips == pytest.approx((6.9e-3, 7.9e-3, 7.8e-3))
-    assert found.slip_capacity == pytest.approx(6.21e-3)
-    assert found.ductile is True
-    assert not found.slip_is_lower_bound
+    assert evaluation.slips == pytest.approx((6.9e-3, 7.9e-3, 7.8e-3))
+    assert evaluation.slip_capacity == pytest.approx(6.21e-3)
+    assert evaluation.ductile is True
+    assert not evaluation.slip_is_lower_bound
 
 
 def test_annex_b_brittle_and_open_ended() -> None:
@@ -221,10 +223,10 @@ def test_annex_b_on_rows_of_a_table() -> None:
         lines += [f"a,{name},0,0", f"a,{name},4,{top}", f"a,{name},12,{end}"]
     points = read_text("\n".join(["campaign,specimen,slip_mm,load_kN", *lines]), POINTS).accept()
     (series,) = evaluate_groups(table, points, specified_strength=450e6)
-    found = series.result
-    assert found is not None
-    assert (found.P_Rk, found.P_Rd) == pytest.approx((85.5e3, 61.56e3))
-    assert found.slip_capacity == pytest.approx(6.21e-3)
+    result = series.result
+    assert result is not None
+    assert (result.P_Rk, result.P_Rd) == pytest.approx((85.5e3, 61.56e3))
+    assert result.slip_capacity == pytest.approx(6.21e-3)
     two = evaluate_groups(table.assign(fcm_MPa=[30.0, 30.0, 40.0]), specified_strength=450e6)
     assert [each.tests for each in two] == [2, 1]
     some = points[points["specimen"] != "2"]  # curves of all tests count, or none

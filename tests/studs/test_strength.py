@@ -116,11 +116,11 @@ def test_validation_on_calibration_rows_is_refused(push_outs: pd.DataFrame) -> N
 
 def test_validation_on_other_campaigns_shows_the_error(push_outs: pd.DataFrame) -> None:
     fit = fit_strength(push_outs[push_outs["campaign"] == "provines2019"], "roik-mean")
-    found = fit.judge(push_outs[push_outs["campaign"] == "lehigh279"], corrected=True)
-    assert len(found.rows) == 2
-    assert found.summary["known_campaigns"] == ""
-    assert found.summary["covered"] is None  # one campaign tells nothing of another
-    bias = found.summary["test_over_prediction"]
+    result = fit.judge(push_outs[push_outs["campaign"] == "lehigh279"], corrected=True)
+    assert len(result.rows) == 2
+    assert result.summary["known_campaigns"] == ""
+    assert result.summary["covered"] is None  # one campaign tells nothing of another
+    bias = result.summary["test_over_prediction"]
     assert bias == pytest.approx(0.91, abs=2.1e-4)  # measured 1.0e-4
     half = push_outs[push_outs["specimen"].str.endswith("CIP")]
     other = push_outs[push_outs["specimen"].str.endswith("PC")]
@@ -177,9 +177,9 @@ def test_factors_are_recovered_and_refused_without_influence() -> None:
     steel, concrete = start.scaled(**fit.estimates).terms(specimens(table))
     assert 0.1 < np.mean(steel < concrete) < 0.9  # both govern some tests
     for name, truth in (("concrete", 0.374), ("steel", 1.0)):
-        found = fit.parameters[name]
-        assert found.low < truth < found.high
-        assert found.value == pytest.approx(truth, rel=0.03)  # measured 0.014
+        result = fit.parameters[name]
+        assert result.low < truth < result.high
+        assert result.value == pytest.approx(truth, rel=0.03)  # measured 0.014
     weak = table.assign(fcm_MPa=15.0)
     with pytest.raises(InputError, match=r"steel = .*has no influence"):
         fit_factors(weak, "roik-mean", ("steel",))

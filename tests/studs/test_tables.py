@@ -74,7 +74,7 @@ def test_checks_table(push_outs: pd.DataFrame, name: str) -> None:
     assert np.mean(tests.shear) / KILO == pytest.approx(mean, abs=0.051)
     stiff = np.sqrt(tests.concrete_strength * tests.concrete_modulus)
     over_steel = np.mean(tests.shear / (tests.area * tests.ultimate_strength))
-    found = {
+    values = {
         "variation": np.std(tests.shear, ddof=1) / np.mean(tests.shear) if count > 1 else np.nan,
         "over_concrete": np.mean(tests.shear / (0.5 * tests.area * stiff)),
         "over_steel": over_steel,
@@ -85,7 +85,7 @@ def test_checks_table(push_outs: pd.DataFrame, name: str) -> None:
         ("over_steel", steel, 5.1e-3), ("over_reduced_steel", reduced, 5.1e-3),
     ):  # fmt: skip
         value = np.nan if expected is None else expected
-        assert found[column] == pytest.approx(value, abs=digit, nan_ok=True)  # printed digits
+        assert values[column] == pytest.approx(value, abs=digit, nan_ok=True)  # printed digits
 
 
 def test_every_specimen_of_provines_exceeds_its_shank(push_outs: pd.DataFrame) -> None:
@@ -109,12 +109,12 @@ def test_slip_at_maximum_and_initial_stiffness_of_provines(push_outs: pd.DataFra
 
 def test_shape_fits_of_the_load_slip_curves(curves: pd.DataFrame) -> None:
     fit = fit_load_slip(curves)
-    found = fit.rows.set_index("specimen")
+    result = fit.rows.set_index("specimen")
     for specimen, b, a in (
         ("P8", 0.46, 0.42), ("P2", 0.50, 0.40), ("P4", 1.10, 0.66), ("P3", 1.38, 0.60),
     ):  # fmt: skip
-        assert found.loc[specimen, "rate"] / KILO == pytest.approx(b, abs=0.006)  # measured 0.0038
-        assert found.loc[specimen, "exponent"] == pytest.approx(a, abs=0.006)  # measured 0.0038
+        assert result.loc[specimen, "rate"] / KILO == pytest.approx(b, abs=0.006)  # measured 0.0038
+        assert result.loc[specimen, "exponent"] == pytest.approx(a, abs=0.006)  # measured 0.0038
     # medians over all curves, quoted as 1.1 and 0.75; the second is 0.73 with the rows kept here
     assert fit.rows["rate"].median() / KILO == pytest.approx(1.1, abs=0.044)  # measured 0.022
     assert fit.rows["exponent"].median() == pytest.approx(0.75, abs=0.03)  # measured 0.023

@@ -14,17 +14,17 @@ from workbench.studs.formulas import SHEAR_MODELS, usual_stud
     ],
 )
 def test_terms_are_those_worked_out_by_hand(name, steel, concrete, gamma):
-    found = usual_stud(SHEAR_MODELS[name])
-    assert found["steel_term"] / 1e3 == pytest.approx(steel, abs=0.1)
-    assert found["concrete_term"] / 1e3 == pytest.approx(concrete, abs=0.1)
-    assert found["resistance"] == min(found["steel_term"], found["concrete_term"])
-    assert found["partial_factor"] == gamma
+    result = usual_stud(SHEAR_MODELS[name])
+    assert result["steel_term"] / 1e3 == pytest.approx(steel, abs=0.1)
+    assert result["concrete_term"] / 1e3 == pytest.approx(concrete, abs=0.1)
+    assert result["resistance"] == min(result["steel_term"], result["concrete_term"])
+    assert result["partial_factor"] == gamma
 
 
 def test_another_modulus_lets_the_concrete_govern():
-    found = usual_stud(SHEAR_MODELS["en1994"])
-    assert found["other_concrete_term"] / 1e3 == pytest.approx(97.95, abs=0.1)
-    assert found["other_concrete_term"] < found["steel_term"]
+    result = usual_stud(SHEAR_MODELS["en1994"])
+    assert result["other_concrete_term"] / 1e3 == pytest.approx(97.95, abs=0.1)
+    assert result["other_concrete_term"] < result["steel_term"]
 
 
 def test_a_formula_of_no_code_has_no_usual_stud():

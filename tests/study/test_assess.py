@@ -176,7 +176,7 @@ def test_gates_end_in_pass_fail_or_inconclusive(toy_study: Study, tmp_path: Path
     study = dataclasses.replace(toy_study, models=models, gates=gates, quick_models=())
     run_study(study, tmp_path, jobs=0)
     result = assess(study, tmp_path)
-    verdicts = [found.verdict.value for found in result.verdicts]
+    verdicts = [outcome.verdict.value for outcome in result.verdicts]
     assert verdicts == [
         *("pass", "fail", "inconclusive", "inconclusive", "inconclusive", "pass"),
         *("inconclusive", "inconclusive", "fail"),
@@ -229,7 +229,7 @@ def test_survival_against_collapse_fails_and_collapse_on_both_sides_agrees(
     result = assess(study, tmp_path)
     whole, _, both, refused, undecided, alone = result.verdicts
     assert result.failed
-    assert [found.verdict.value for found in result.verdicts] == [
+    assert [outcome.verdict.value for outcome in result.verdicts] == [
         *("fail", "pass", "pass", "inconclusive", "inconclusive", "inconclusive")
     ]
     assert (whole.counts["fail"], whole.counts["collapses"], whole.counts["refused"]) == (1, 1, 0)
@@ -268,7 +268,7 @@ def test_the_car_park_column_that_only_the_single_dof_lets_survive(
 ) -> None:
     impact = dataclasses.replace(parked, duration=0.2)
     compared = {"quantity": "peak_displacement", "metric": "relative_error", "bound": 0.3}
-    said = {"rationale": "why", "source": "where"}
+    values = {"rationale": "why", "source": "where"}
     study = Study(
         name="car-park",
         title="Car park",
@@ -281,8 +281,8 @@ def test_the_car_park_column_that_only_the_single_dof_lets_survive(
         },
         reference="4-DOF",
         gates=(
-            Gate("SDOF", "4-DOF", **compared, **said),
-            Gate("panels", "4-DOF", **compared, cases=("10 m/s",), **said),
+            Gate("SDOF", "4-DOF", **compared, **values),
+            Gate("panels", "4-DOF", **compared, cases=("10 m/s",), **values),
         ),
     )
     run_study(study, tmp_path, jobs=0)
@@ -299,8 +299,8 @@ def test_gates_that_differ_only_in_their_cases_are_two(toy_study: Study, tmp_pat
     gates = tuple(gate("soft", "fine", 0.2, cases=(case,)) for case in ("v10.0", "v15.0"))
     study = dataclasses.replace(toy_study, gates=gates)
     run_study(study, tmp_path, jobs=0)
-    found = assess(study, tmp_path)
-    assert [each.number for each in found.verdicts] == [1, 2]
+    assessment = assess(study, tmp_path)
+    assert [each.number for each in assessment.verdicts] == [1, 2]
     table = pd.read_csv(tmp_path / "toy" / "tables" / "verdicts.csv")
     assert list(table["case"]) == ["v10.0", "v15.0"]
     assert list(table["verdict"]) == ["pass", "pass"]
@@ -376,8 +376,8 @@ def test_the_cells_table(toy_study: Study, tmp_path: Path) -> None:
     models = {**toy_study.models, "soft": Spring(stiffness=5e4)}
     study, tables = assessed(dataclasses.replace(toy_study, models=models), tmp_path)
     row = tables["cells"].set_index(["case", "label"]).loc["v10.0", "soft"]
-    said = tables["findings"].set_index(["case", "label"]).loc[("v10.0", "soft")]
-    assert (said["subject"], said["severity"], said["sentence"]) == (
+    findings = tables["findings"].set_index(["case", "label"]).loc[("v10.0", "soft")]
+    assert (findings["subject"], findings["severity"], findings["sentence"]) == (
         "stiffness", "warning", "very soft",
     )  # fmt: skip
     assert row["model"] == "toy-spring"

@@ -95,12 +95,12 @@ def test_collapse_goes_by_the_anchor(study: Study) -> None:
 
 def test_ways_to_choose_by_error_and_cost(study: Study) -> None:
     rows = error_tables(study, tables_of(study))["chooser"].set_index("way")
-    own, corrected, sure, quick = (rows.loc[n] for n in ("anchor", CORRECTED, SURE, QUICK))
+    given, corrected, sure, quick = (rows.loc[n] for n in ("anchor", CORRECTED, SURE, QUICK))
     errors = np.abs(np.exp(SCATTER) - 1.0)
-    assert own["within"] == np.count_nonzero(errors <= 0.1)
-    assert np.mean(errors <= own["reach"]) >= 0.9
-    assert corrected["within"] > own["within"]
-    assert corrected["reach"] < own["reach"]
+    assert given["within"] == np.count_nonzero(errors <= 0.1)
+    assert np.mean(errors <= given["reach"]) >= 0.9
+    assert corrected["within"] > given["within"]
+    assert corrected["reach"] < given["reach"]
     assert (sure["within"], sure["reach"]) == (COUNT, 0.0)  # all are warned of
     assert sure["seconds"] == pytest.approx(1.1)
     assert (quick["reach"], quick["seconds"]) == (pytest.approx(0.2), pytest.approx(0.01))
@@ -120,7 +120,7 @@ def test_without_anchor_or_with_few_columns_nothing_is_said(study: Study) -> Non
     bare = replace(study, models={n: m for n, m in study.models.items() if n != "anchor"})
     tables["cells"] = tables["cells"][tables["cells"]["label"] != "anchor"]
     for each, of in ((few, few_tables), (bare, tables)):
-        assert all(found.empty for found in error_tables(each, of).values())
+        assert all(result.empty for result in error_tables(each, of).values())
 
 
 def test_steel_that_feels_its_rate_is_no_data_of_the_error_model(study: Study) -> None:

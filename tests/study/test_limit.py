@@ -32,14 +32,14 @@ class Gap(Troubled):
 
 def test_the_bracket_is_as_narrow_as_asked(thesis_impact: ColumnImpact) -> None:
     model = Troubled("collapse", above=18.0)
-    found = find_limit(model, thesis_impact.at_velocity, (1.0, 60.0), 0.005)
-    assert found.settled
-    assert found.survives_at <= 18.0 < found.collapses_at
-    assert found.collapses_at - found.survives_at <= 0.005 * found.collapses_at
-    values = [trial.value for trial in found.trials]
+    limit = find_limit(model, thesis_impact.at_velocity, (1.0, 60.0), 0.005)
+    assert limit.settled
+    assert limit.survives_at <= 18.0 < limit.collapses_at
+    assert limit.collapses_at - limit.survives_at <= 0.005 * limit.collapses_at
+    values = [trial.value for trial in limit.trials]
     assert len(values) == len(set(values)) <= 4 + 8
     assert max(values) == 1.0 + 59.0 * 3 / PARTS  # nothing is asked above the first collapse
-    for trial in found.trials:
+    for trial in limit.trials:
         assert trial.survives is (trial.value <= 18.0)
         assert (trial.outcome, trial.collapse is None) == (
             ("ok", True) if trial.survives else ("collapse", False)
@@ -51,10 +51,10 @@ def test_the_bracket_is_as_narrow_as_asked(thesis_impact: ColumnImpact) -> None:
 )
 def test_a_range_on_one_side_is_said_so(thesis_impact, above, bracket, tried) -> None:
     model = Troubled("collapse", above=above)
-    found = find_limit(model, thesis_impact.at_velocity, (1.0, 60.0), 0.005)
-    assert (found.survives_at, found.collapses_at) == bracket
-    assert found.settled
-    assert len(found.trials) == tried
+    limit = find_limit(model, thesis_impact.at_velocity, (1.0, 60.0), 0.005)
+    assert (limit.survives_at, limit.collapses_at) == bracket
+    assert limit.settled
+    assert len(limit.trials) == tried
 
 
 def test_failures_are_taken_for_neither(thesis_impact: ColumnImpact) -> None:
@@ -81,28 +81,28 @@ def test_failures_are_taken_for_neither(thesis_impact: ColumnImpact) -> None:
 
 def test_the_limit_of_the_car_park_column_is_that_of_single_runs(parked: ColumnImpact) -> None:
     """Records that end while it still sinks are followed on."""
-    found = find_limit(FourDof(), parked.at_velocity, (1.0, 60.0), 0.005)
-    assert found.settled
-    assert (found.survives_at, found.collapses_at) == pytest.approx((9.50, 9.53), rel=1e-3)
+    limit = find_limit(FourDof(), parked.at_velocity, (1.0, 60.0), 0.005)
+    assert limit.settled
+    assert (limit.survives_at, limit.collapses_at) == pytest.approx((9.50, 9.53), rel=1e-3)
     longer = replace(parked, duration=0.4)
-    assert survives(FourDof().simulate(longer.at_velocity(found.survives_at))) is True
-    assert survives(FourDof().simulate(longer.at_velocity(found.collapses_at))) is False
-    assert parked.duration == 0.1 < max(trial.duration for trial in found.trials)
+    assert survives(FourDof().simulate(longer.at_velocity(limit.survives_at))) is True
+    assert survives(FourDof().simulate(longer.at_velocity(limit.collapses_at))) is False
+    assert parked.duration == 0.1 < max(trial.duration for trial in limit.trials)
 
 
 def test_the_end_that_survives_may_be_the_upper_one(parked: ColumnImpact) -> None:
     def at_load(load: float) -> ColumnImpact:
         return replace(parked, column=replace(parked.column, restraint_stiffness=load))
 
-    found = find_limit(FourDof(), at_load, (1e8, 0.0), 0.1)
-    assert found.settled
-    assert found.survives_at > found.collapses_at >= 0.0
+    limit = find_limit(FourDof(), at_load, (1e8, 0.0), 0.1)
+    assert limit.settled
+    assert limit.survives_at > limit.collapses_at >= 0.0
 
 
 def test_a_limit_at_zero_is_found_in_few_trials(thesis_impact: ColumnImpact) -> None:
     def at(value: float) -> ColumnImpact:
         return thesis_impact.at_velocity(10.0 if value <= 0.0 else 20.0)
 
-    found = find_limit(Troubled("collapse", above=15.0), at, (0.0, 1.0), 0.005)
-    assert (found.survives_at, found.settled) == (0.0, True)
-    assert len(found.trials) < 25
+    limit = find_limit(Troubled("collapse", above=15.0), at, (0.0, 1.0), 0.005)
+    assert (limit.survives_at, limit.settled) == (0.0, True)
+    assert len(limit.trials) < 25

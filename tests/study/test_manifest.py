@@ -102,11 +102,11 @@ def test_another_reading_of_histories_is_named(
     run_study(small, tmp_path, jobs=0)
     with monkeypatch.context() as patch:
         patch.setattr(ColumnImpact, "READING", ColumnImpact.READING + 1)
-        told = reasons(small, tmp_path)
-        assert set(told.values()) == {"other quantities are read off histories"}
+        statements = reasons(small, tmp_path)
+        assert set(statements.values()) == {"other quantities are read off histories"}
     monkeypatch.setattr("workbench.study.cells.TABLE_DIGEST", "a scalar more")
-    told = reasons(small, tmp_path)
-    assert set(told.values()) == {"the table of response variables has changed"}
+    statements = reasons(small, tmp_path)
+    assert set(statements.values()) == {"the table of response variables has changed"}
 
 
 def test_every_ingredient_changes_the_key(thesis_impact: ColumnImpact) -> None:

@@ -63,9 +63,11 @@ def study(toy_study: Study, thesis_impact) -> Study:
 
 def assessed(study: Study, root: Path) -> tuple[Assessment, dict[str, pd.DataFrame]]:
     run_study(study, root, jobs=0)
-    found = assess(study, root)
-    tables = {path.stem: pd.read_csv(path) for path in (found.directory / "tables").glob("*.csv")}
-    return found, tables
+    assessment = assess(study, root)
+    tables = {
+        path.stem: pd.read_csv(path) for path in (assessment.directory / "tables").glob("*.csv")
+    }
+    return assessment, tables
 
 
 def gate(model: str, against: str, bound: float, *cases: str) -> Gate:
@@ -74,11 +76,11 @@ def gate(model: str, against: str, bound: float, *cases: str) -> Gate:
 
 def test_the_best_reference_inside_its_domain_counts(study: Study, tmp_path: Path) -> None:
     _, tables = assessed(study, tmp_path)
-    found = tables["references"].set_index("case")
-    assert list(found["label"]) == ["better", "fine", "fine", "fine"]
-    assert list(found["inside"]) == [1, 1, 1, 1]
-    assert found.loc["v15.0", "reason"] == "better is outside its domain (shear)"
-    assert found.loc["push", "reason"] == "the study does not ask better"
+    result = tables["references"].set_index("case")
+    assert list(result["label"]) == ["better", "fine", "fine", "fine"]
+    assert list(result["inside"]) == [1, 1, 1, 1]
+    assert result.loc["v15.0", "reason"] == "better is outside its domain (shear)"
+    assert result.loc["push", "reason"] == "the study does not ask better"
 
 
 def test_without_a_reference_inside_the_best_that_answered_counts(
@@ -86,9 +88,9 @@ def test_without_a_reference_inside_the_best_that_answered_counts(
 ) -> None:
     models = {**study.models, "fine": Warned(error=0.08, level=2)}
     _, tables = assessed(dataclasses.replace(study, models=models), tmp_path)
-    found = tables["references"].set_index("case")
-    assert found.loc["v20.0", ["label", "inside"]].tolist() == ["better", 0]
-    assert "no reference is inside its domain" in found.loc["v20.0", "reason"]
+    result = tables["references"].set_index("case")
+    assert result.loc["v20.0", ["label", "inside"]].tolist() == ["better", 0]
+    assert "no reference is inside its domain" in result.loc["v20.0", "reason"]
     row = tables["matrix"].set_index(["group", "label"]).loc[("fast", "soft")]
     assert (row["against"], row["against_outside"]) == ("better", 2)
 
@@ -225,6 +227,6 @@ def test_a_collapse_that_the_reference_does_not_share_is_counted(
     assert rows.loc[("fast", "falls"), columns].tolist() == [0, 2, 1, 0]
     assert rows.loc[("fast", "soft"), columns].tolist() == [2, 0, 0, 1]
     warned = {**models, "middle": Warned(error=0.08, level=1), "soft": Spring(stiffness=4.9e6)}
-    found, _ = assessed(dataclasses.replace(bare, models=warned), tmp_path / "warned")
-    (case,) = found.verdicts[0].cases
+    assessment, _ = assessed(dataclasses.replace(bare, models=warned), tmp_path / "warned")
+    (case,) = assessment.verdicts[0].cases
     assert case.doubt == "middle is outside its domain and fine does not confirm it"

@@ -104,15 +104,15 @@ def test_tables_and_gates(study: Study, tmp_path: Path) -> None:
 
 
 def test_the_bias_holds_what_the_reference_leaves_open(study: Study, tmp_path: Path) -> None:
-    found = tables_of(study, tmp_path)["bias"].set_index(["model", "quantity"])
-    row = found.loc["soft", "peak_displacement"]
+    result = tables_of(study, tmp_path)["bias"].set_index(["model", "quantity"])
+    row = result.loc["soft", "peak_displacement"]
     ratio = (5.0 / 4.5) ** 0.5 / 1.02
     assert row["bias"] == pytest.approx(ratio)
     # the cases do not scatter: all of the interval is the numerical uncertainty of the reference
     assert row["uncertainty"] == pytest.approx(0.025 / 1.02, rel=1e-9)
     assert row["low"] == pytest.approx(ratio * (1.0 - row["uncertainty"]), rel=1e-6)
     assert row["high"] == pytest.approx(ratio * (1.0 + row["uncertainty"]), rel=1e-6)
-    alone = found.loc["alone", "peak_displacement"]
+    alone = result.loc["alone", "peak_displacement"]
     assert alone["note"].endswith("numerical uncertainty unknown in 3 of 3 cases")
 
 

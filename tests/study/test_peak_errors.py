@@ -69,10 +69,10 @@ def test_collapse_on_one_side_is_an_infinite_error(study) -> None:
         ("5", "beam"): Outcome.COLLAPSE,
         ("5", "good"): Outcome.OUT_OF_DOMAIN,
     }
-    found = errors_of(study, tables_of(study, ends))["good"]
-    assert (found["1"], found["2"], found["3"]) == (inf, -inf, 0.0)
-    assert found["0"] == pytest.approx(0.02)
-    assert found[["4", "5"]].isna().all()
+    result = errors_of(study, tables_of(study, ends))["good"]
+    assert (result["1"], result["2"], result["3"]) == (inf, -inf, 0.0)
+    assert result["0"] == pytest.approx(0.02)
+    assert result[["4", "5"]].isna().all()
 
 
 def test_a_reference_that_is_outside_or_warns_of_its_numbers_judges_nobody(study) -> None:
@@ -81,9 +81,9 @@ def test_a_reference_that_is_outside_or_warns_of_its_numbers_judges_nobody(study
     references["inside"] = (~references["case"].isin(["3", "7"])).astype(int)
     warnings = [("8", "beam", "mesh"), ("9", "good", "mesh"), ("10", "beam", "restitution")]
     tables["findings"] = pd.DataFrame(warnings, columns=["case", "label", "subject"])
-    found = errors_of(study, tables)
+    result = errors_of(study, tables)
     judged = {case.name for case in study.cases} - {"3", "7", "8"}
-    assert set(found["good"].dropna().index) == judged
+    assert set(result["good"].dropna().index) == judged
 
 
 def test_ranking_counts_pairs_and_leaves_small_groups(study) -> None:

@@ -218,7 +218,7 @@ def test_stored_answers_are_read_as_xarray_reads_them(
     thesis_impact: ColumnImpact, tmp_path: Path
 ) -> None:
     hit = FourDof().simulate(thesis_impact)
-    own = hit.assign(
+    given = hit.assign(
         {
             "toy.words": ("toy", ["a", "b"], {"units": "1", "long_name": "words"}),
             "toy.flags": ("toy", [True, False], {"units": "1", "long_name": "flags"}),
@@ -226,7 +226,12 @@ def test_stored_answers_are_read_as_xarray_reads_them(
         }
     )
     failed = failed_response(Outcome.CRASHED, "no reason")
-    for response in (hit, own, own.assign_coords(toy=["x", "y"], at=("toy", [0.1, 0.2])), failed):
+    for response in (
+        hit,
+        given,
+        given.assign_coords(toy=["x", "y"], at=("toy", [0.1, 0.2])),
+        failed,
+    ):
         path = tmp_path / "cell.nc"
         path.write_bytes(to_netcdf_bytes(response))
         expected = xr.open_dataset(path, decode_times=False).load().drop_encoding()
@@ -281,19 +286,19 @@ def test_a_finished_store_that_can_only_be_read_is_run_judged_and_reported(
 
 
 def no_parts(response: Response) -> Response:
-    told = {"outcome": "collapse", "collapse": '{"mechanism": "geometry", "parts": 7}'}
-    return response.drop_vars(list(response.variables)).assign_attrs(told)
+    values = {"outcome": "collapse", "collapse": '{"mechanism": "geometry", "parts": 7}'}
+    return response.drop_vars(list(response.variables)).assign_attrs(values)
 
 
 def instead(name: str, *variable: Any) -> Change:
     """A change of a response: another variable under a name."""
-    told = {"units": "m", "long_name": "x"}
-    return lambda response: response.assign({name: (*variable, told)})
+    values = {"units": "m", "long_name": "x"}
+    return lambda response: response.assign({name: (*variable, values)})
 
 
-def saying(name: str, *said: Any) -> list[Change]:
+def saying(name: str, *message: Any) -> list[Change]:
     """Changes of a response: an attribute that says something else."""
-    return [lambda response, one=one: response.assign_attrs({name: one}) for one in said]
+    return [lambda response, one=one: response.assign_attrs({name: one}) for one in message]
 
 
 Change = Callable[[Response], Response]
@@ -338,8 +343,8 @@ def test_cells_that_are_signed_but_broken_are_answered_again(
     for change in BROKEN[kind]:
         broken = change(sound.copy(deep=True))
         outcome = broken.attrs["outcome"]
-        told = {**record, "outcome": outcome if isinstance(outcome, str) else "ok"}
-        store.put(cell.key, to_netcdf_bytes(broken), told)
+        values = {**record, "outcome": outcome if isinstance(outcome, str) else "ok"}
+        store.put(cell.key, to_netcdf_bytes(broken), values)
         assert states(small, tmp_path).count(State.TO_DO) == 1
         assert assess(small, tmp_path).tables["cells"]["outcome"][0] == "not run"
     if kind in REPORTED:  # a report reads what `assess` has read: nothing of a broken cell

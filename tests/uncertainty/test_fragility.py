@@ -47,8 +47,8 @@ def test_band_holds_the_critical_velocities_of_the_better_model(result):
     asked = setup()
     scores = np.vstack([asked.uncertain.normal_scores(64, (1, k)) for k in range(4)])
     truth = Setup(asked.uncertain, asked.reference, None, asked.limit, asked.ends)
-    found = Sampled.of(truth, scores, map).roots(truth, np.full(len(scores), log(9.0)))
-    roots = np.array([root.log_velocity for root in found])
+    outcome = Sampled.of(truth, scores, map).roots(truth, np.full(len(scores), log(9.0)))
+    roots = np.array([root.log_velocity for root in outcome])
     for probability in (0.2, 0.5, 0.8):
         low, _, high = result.curve.velocity(probability)
         margin = 0.35 * roots.std() / np.sqrt(len(roots))  # of 256 points of a Sobol sequence

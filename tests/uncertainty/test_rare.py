@@ -59,10 +59,10 @@ BLIND = Closed(lambda z: np.minimum(4.5 - z[:, 0], 4.6 + z[:, 1]), lambda z: 4.5
 def test_closed_forms_are_met_and_the_scatter_is_what_it_says(structure, inputs, known, points):
     known = float(ndtr(-PARABOLA).mean()) if known is None else known
     results = [rare_probability(structure, inputs, np.random.default_rng(k)) for k in range(40)]
-    found = np.array([result.probability for result in results]) / known
+    outcome = np.array([result.probability for result in results]) / known
     covs = np.array([result.cov for result in results])
-    assert abs(found.mean() - 1.0) < 4.0 * covs.mean() / 40**0.5
-    assert found.std() < 1.5 * covs.mean()
+    assert abs(outcome.mean() - 1.0) < 4.0 * covs.mean() / 40**0.5
+    assert outcome.std() < 1.5 * covs.mean()
     assert np.median(covs) <= 0.1
     assert all(sum(result.runs.values()) <= 5000 for result in results)
     assert {len(result.points) for result in results} <= points

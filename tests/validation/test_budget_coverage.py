@@ -42,8 +42,8 @@ def budget_of(model: Model, scenario: ColumnImpact) -> dict[str, Term]:
     runs = {name: model.simulate(each) for name, each in budget.variations(scenario).items()}
     answer = model.simulate(scenario)
     answer.attrs["error"] = json.dumps(expected_error(scenario, answer).as_dict())
-    found = budget.terms(scenario, answer, runs)
-    return {term.name: term for term in found.get(PEAK, ())}
+    result = budget.terms(scenario, answer, runs)
+    return {term.name: term for term in result.get(PEAK, ())}
 
 
 def holds(term: Term, change: float) -> bool:

@@ -131,8 +131,8 @@ def test_a_stiffer_hinge_is_a_smaller_peak(frame_impact) -> None:
         (RIGID(rotational_stiffness=12.0), -1.7),
         (RIGID(rotational_stiffness=24.0), -2.7),
     ):
-        found = 100.0 * (peak(model.simulate(frame_impact)) / base - 1.0)
-        assert found == pytest.approx(change, abs=0.15)
+        response = 100.0 * (peak(model.simulate(frame_impact)) / base - 1.0)
+        assert response == pytest.approx(change, abs=0.15)
 
 
 # -- the columns of section 5.2 as frames ----------------------------------------------------

@@ -48,7 +48,7 @@ def collapse_factor(scenario: FrameStatic, interaction: bool = False) -> float:
     objective = np.zeros(unknowns)
     objective[-1] = -1.0
     # forces in units of the largest plastic moment keep the programme well scaled
-    found = linprog(
+    result = linprog(
         objective,
         A_ub=inequality,
         b_ub=bounds,
@@ -57,8 +57,8 @@ def collapse_factor(scenario: FrameStatic, interaction: bool = False) -> float:
         bounds=[(None, None)] * unknowns,
         method="highs",
     )
-    assert found.success, found.message
-    return -float(found.fun)
+    assert result.success, result.message
+    return -float(result.fun)
 
 
 def _free(frame: Frame) -> dict[tuple[str, int], int]:

@@ -28,20 +28,20 @@ def bar(lumped: bool = False):
 @pytest.mark.parametrize("scheme", ["implicit", "explicit"])
 def test_two_masses(restitution, scheme) -> None:
     """Momentum, Newton's law and the loss m1 m2 (1 - e^2) v^2 / 2 (m1 + m2)."""
-    beam, dof, own = bar(lumped=True)
+    beam, dof, given = bar(lumped=True)
     striker = PointMass(1500.0, 20.0, restitution)
     dt = 1e-9  # so short that the spring does not take part
     if scheme == "implicit":
         step = next(impact(beam, dof, striker, [(dt, dt)], 0.5))
     else:
         step = next(explicit_impact(beam, dof, striker, [(dt, dt)]))
-    common = 1500.0 * 20.0 / (1500.0 + own)
-    struck = common + restitution * 1500.0 * 20.0 / (1500.0 + own)
+    common = 1500.0 * 20.0 / (1500.0 + given)
+    struck = common + restitution * 1500.0 * 20.0 / (1500.0 + given)
     assert beam.velocity[dof] == pytest.approx(struck, rel=1e-8)  # measured 5.1e-12
-    assert step.impulse == pytest.approx(own * struck, rel=1e-8)  # measured 2.0e-12
-    left = common - restitution * own * 20.0 / (1500.0 + own)
+    assert step.impulse == pytest.approx(given * struck, rel=1e-8)  # measured 2.0e-12
+    left = common - restitution * given * 20.0 / (1500.0 + given)
     assert step.striker.velocity == pytest.approx(left, rel=1e-8)  # measured 1.5e-12
-    loss = 0.5 * 1500.0 * own / (1500.0 + own) * 20.0**2 * (1.0 - restitution**2)
+    loss = 0.5 * 1500.0 * given / (1500.0 + given) * 20.0**2 * (1.0 - restitution**2)
     assert step.contact_loss == pytest.approx(loss, rel=1e-4, abs=1e-6)
 
 
@@ -49,12 +49,12 @@ def test_joint_motion_after_a_plastic_collision_is_of_first_order() -> None:
     """Both masses swing on the spring: x = V / omega sin(omega t)."""
     errors = []
     for count in (20, 40, 80, 160):
-        beam, dof, own = bar()
+        beam, dof, given = bar()
         striker = PointMass(1500.0, 1.0)
-        omega = np.sqrt(E * AREA.sum() / LENGTH / (1500.0 + own))
+        omega = np.sqrt(E * AREA.sum() / LENGTH / (1500.0 + given))
         duration = 0.4 * np.pi / omega
         *_, last = impact(beam, dof, striker, [(duration, duration / count)], 0.5)
-        common = 1500.0 / (1500.0 + own)
+        common = 1500.0 / (1500.0 + given)
         exact = common * np.cos(0.4 * np.pi)
         errors.append(last.striker.velocity / exact - 1.0)
     # the first step holds the collision, so that half a step of the swing is lost

@@ -56,8 +56,8 @@ COLUMNS, FRAMES = of(ColumnImpact.KIND), of(FrameImpact.KIND)
 @cache
 def model(name: str) -> Model:
     """A model; where contacts open and close often, steps by error follow round-off: equal ones."""
-    own = model_of(name)
-    return replace(own, time_step=2e-5) if name in BY_ERROR else own  # type: ignore[type-var]
+    given = model_of(name)
+    return replace(given, time_step=2e-5) if name in BY_ERROR else given  # type: ignore[type-var]
 
 
 @cache
@@ -171,14 +171,14 @@ def test_what_a_frame_does_depends_on_nothing_but_the_frame(name: str, change: s
 
 @pytest.mark.parametrize("name", FRAMES)
 def test_an_unloaded_member_in_two_parts_is_the_same_member(name: str) -> None:
-    own, whole, tolerance = model(name), hit(frame()), SPLIT_MESH
+    given, whole, tolerance = model(name), hit(frame()), SPLIT_MESH
     if meshed(name):  # a mesh follows the parts: one that is fine enough not to tell
-        own = replace(own, smallest_element=0.1, largest_element=0.2)  # type: ignore[type-var]
+        given = replace(given, smallest_element=0.1, largest_element=0.2)  # type: ignore[type-var]
     else:
         whole = replace(hit(frame(), mass=20000.0, velocity=2.0), duration=0.12)
         tolerance = SPLIT_ELEMENT
     parts = replace(whole, frame=frame().split("beam", 1.7, "new"))
-    one, other = (own.simulate(each) for each in (whole, parts))
+    one, other = (given.simulate(each) for each in (whole, parts))
     assert outcome_of(one) is outcome_of(other)
     if outcome_of(one) is Outcome.OK:
         peaks = [float(each["peak_displacement"]) for each in (one, other)]

@@ -24,7 +24,7 @@ def peak(response) -> float | None:
 
 def offenders(model, scenario, meshes, steps, speeds) -> list[str]:
     """What is off by more than 5 % without a word, in sentences."""
-    found = []
+    values = []
     for speed in speeds:
         hit = scenario.at_velocity(speed)
         best = FiberReissner(levels=1).simulate(hit)
@@ -38,14 +38,14 @@ def offenders(model, scenario, meshes, steps, speeds) -> list[str]:
             text = f"{scenario.name}, {speed} m/s, elements {size} m, steps {step} s: "
             if outcome != "ok":
                 if outcome not in TYPED and not (falls and outcome == "collapse"):
-                    found.append(text + outcome)
+                    values.append(text + outcome)
                 continue
             if any(finding.subject in ACCURACY for finding in warnings_of(response)):
                 continue
             reached = peak(response)
             if reached is None or fine is None or abs(reached / fine - 1.0) > ALLOWED:
-                found.append(text + f"{reached} m against {fine} m")
-    return found
+                values.append(text + f"{reached} m against {fine} m")
+    return values
 
 
 @pytest.mark.slow

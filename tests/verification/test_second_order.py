@@ -75,9 +75,9 @@ def test_case_1_member_with_uniform_load(model, axial) -> None:
         deflection *= 12.0 * (2.0 / cos(u) - u**2 - 2.0) / (5.0 * u**4)
         moment *= 2.0 * (1.0 / cos(u) - 1.0) / u**2
     assert float(response["displacement"][-1]) == pytest.approx(deflection, rel=5e-3)
-    found = response["moment"].sel(hinge=f"m{ELEMENTS // 2}:start").values[-1]
+    result = response["moment"].sel(hinge=f"m{ELEMENTS // 2}:start").values[-1]
     # nodal moments of a member under a uniform load, without those of the load itself
-    assert abs(float(found)) - end == pytest.approx(moment, rel=5e-3)
+    assert abs(float(result)) - end == pytest.approx(moment, rel=5e-3)
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -101,5 +101,5 @@ def test_case_2_cantilever(model, axial) -> None:
         deflection *= 3.0 * (tan(a) - a) / a**3
         moment *= tan(a) / a
     assert float(response["displacement"][-1]) == pytest.approx(deflection, rel=5e-3)
-    found = response["moment"].sel(hinge="m0:start").values[-1]
-    assert abs(float(found)) == pytest.approx(moment, rel=5e-3)
+    result = response["moment"].sel(hinge="m0:start").values[-1]
+    assert abs(float(result)) == pytest.approx(moment, rel=5e-3)

@@ -61,17 +61,17 @@ def test_lee_frame(kind, coarse, fine) -> None:
     With forty equal elements either beam is still off by more than 0.1 %: 0.32 % with one point
     and linear displacements, 0.13 % with cubic ones. Eighty elements do.
     """
-    found = np.array([lee(kind, part) for part in (5, 10, 20, 40)])
-    limit = [extrapolated(column) for column in found.T]
+    result = np.array([lee(kind, part) for part in (5, 10, 20, 40)])
+    limit = [extrapolated(column) for column in result.T]
     assert limit[0] == pytest.approx(18.56, rel=1.7e-4)  # measured 8.3e-5
     assert limit[1] == pytest.approx(-9.43, abs=0.02)
-    errors = found / limit - 1.0
+    errors = result / limit - 1.0
     assert orders(errors[:, 0]) == pytest.approx(2.0, abs=0.1)
     assert orders(errors[:, 1]) == pytest.approx(2.0, abs=0.15)
     assert errors[2, 0] == pytest.approx(coarse, abs=2e-4)
     assert errors[3, 0] == pytest.approx(fine, abs=1.1e-4)  # measured 5.3e-5
-    assert abs(found[3, 0] / 18.56 - 1.0) <= 1e-3
-    assert abs(found[3, 1] + 9.43) <= 0.03
+    assert abs(result[3, 0] / 18.56 - 1.0) <= 1e-3
+    assert abs(result[3, 1] + 9.43) <= 0.03
 
 
 HALF_SPAN, RISE, BENDING, AXIAL = 12.943, 0.386, 9.27e3, 1.885e6  # in, in, lb in2, lb
@@ -127,13 +127,13 @@ def test_williams_toggle(kind) -> None:
     """
     closed = toggle_in_closed_form()
     paths = [toggle(kind, elements) for elements in (5, 10, 20, 40)]
-    found = np.array([limits(*path.T) for path in paths])
+    result = np.array([limits(*path.T) for path in paths])
     below = closed[closed[:, 0] < 1.2 * RISE, 1]
     top = int(np.flatnonzero(np.diff(below) < 0.0)[0])
     exact = np.array([below[top], below[top:].min()])
-    limit = np.array([extrapolated(column) for column in found.T])
+    limit = np.array([extrapolated(column) for column in result.T])
     np.testing.assert_allclose(limit, exact, rtol=1.5e-3)
-    errors = found / limit - 1.0
+    errors = result / limit - 1.0
     assert orders(errors[:, 0]) == pytest.approx(2.0, abs=0.15)
     assert np.max(np.abs(errors[-1])) <= 1.5e-3
     deflections, loads = paths[-1].T
