@@ -10,6 +10,8 @@ import pandas as pd
 import pytest
 
 from workbench.datafiles import data_directory
+from workbench.errors import OutOfDomainError, SolverError
+from workbench.models import superelements
 from workbench.models.base import Model
 from workbench.models.batch import FAILURE, OUTCOME, simulate_many
 from workbench.models.hinged_frames import Giberson
@@ -17,6 +19,7 @@ from workbench.models.superelements import FlexibleSuperelement, RigidSupereleme
 from workbench.responses import outcome_of, scalars_of
 from workbench.scenarios import FrameImpact, load_scenario, to_toml
 from workbench.scenarios.varied import Varied
+from workbench.uncertainty.sample_runs import answers_of
 
 THESIS = data_directory() / "published" / "heng2017_frame.toml"
 ONE_BAR = RigidSuperelement(elements=1, rotational_stiffness=6.0, accuracy=0.01)
@@ -82,6 +85,8 @@ def test_numbers_of_frames_do_not_depend_on_threads_or_neighbours() -> None:
     frames = drawn(24, seed=2)
     one, many = (simulate_many(ONE_BAR, frames, threads) for threads in (1, 5))
     pd.testing.assert_frame_equal(one, many, check_exact=True)
+    jobs = answers_of(ONE_BAR, frames, frames[0], jobs=2)
+    pd.testing.assert_frame_equal(one, jobs, check_exact=True)
     part = simulate_many(ONE_BAR, [frames[row] for row in range(8, 16)])
     expected = one.iloc[8:16].reset_index(drop=True)
     pd.testing.assert_frame_equal(part, expected[part.columns], check_exact=True)
@@ -105,3 +110,33 @@ def test_models_without_compiled_marches_answer_row_by_row() -> None:
         table = simulate_many(model, [hit], 2)
         expected = scalars_of(model.simulate(hit))
         assert table.drop(columns=[OUTCOME, FAILURE]).iloc[0].to_dict() == expected
+
+
+@pytest.mark.parametrize("error", [SolverError("a step", 1.0, "all"), OutOfDomainError("crumpled")])
+def test_what_fails_is_asked_again_for_its_words(error: Exception, monkeypatch) -> None:
+    def fails(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(superelements, "measure_impact", fails)
+    monkeypatch.setattr(superelements, "run_impact", fails)
+    impact = load_scenario(THESIS)
+    table, alone = simulate_many(ONE_BAR, [impact]), ONE_BAR.simulate(impact)
+    assert table[OUTCOME][0] == outcome_of(alone).value != "ok"
+    assert table[FAILURE][0] == alone.attrs["message"]
+    assert len(table.columns) == 2
+
+
+def test_an_interrupt_drops_the_rows_that_wait() -> None:
+    answered = []
+
+    class Interrupted(RigidSuperelement):
+        def numbers(self, scenario: FrameImpact) -> dict[str, float]:
+            answered.append(scenario)
+            if len(answered) == 3:
+                raise KeyboardInterrupt
+            return {}
+
+    impact = load_scenario(THESIS)
+    with pytest.raises(KeyboardInterrupt):
+        simulate_many(Interrupted(), [impact] * 50_000, 1)
+    assert len(answered) < 40_000

@@ -41,7 +41,7 @@ class Model(Protocol):
     scenario kinds; `assumptions` are sentences for the report. A model that knows strain rate or
     hardening by itself has a `material` that names them; the others run with the factor of
     `with_strain_rate` on the yield stress. Optional: `crushing`, whether it answers strikers that
-    crush, with what they cost as its `contact_loss`.
+    crush, with what they cost as its `contact_loss`; how it answers many, see `models.batch`.
     """
 
     name: ClassVar[str]

@@ -13,6 +13,7 @@ Python.
 import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from functools import partial
 from math import isfinite
 from typing import Any, NamedTuple
@@ -30,7 +31,7 @@ from workbench.scenarios import Scenario
 from workbench.scenarios.varied import stacks, take
 
 OUTCOME, FAILURE = "outcome", "failure"
-CHUNK = 4096  # rows of a stack that a thread answers together
+CHUNK = 4096  # rows of a stack that a thread answers together, others that wait for threads
 SURVIVES, UNKNOWN, COLLAPSES, LOST = range(4)  # codes of rows; of the last two models say how
 
 
@@ -78,7 +79,7 @@ def simulate_many(
 
     left: list[Indices] = []
     parts, at_once = _parts(alone, scenarios, left), hasattr(alone, "numbers")
-    with one_thread(), ThreadPoolExecutor(threads or _cores()) as pool:
+    with one_thread(), _pool(threads or _cores()) as pool:
         for rows, answers in pool.map(stacked, parts):
             left.append(rows[answers.codes == UNKNOWN])
             for name, values in answers.scalars.items():
@@ -88,14 +89,27 @@ def simulate_many(
                 error = answers.collapse(int(i))
                 failures[rows[i]] = failure_message(Outcome.COLLAPSE, str(error))
         rows = np.concatenate([*left, np.empty(0, np.int64)])
-        singles = (pool.map if at_once else map)(partial(_single, alone, scenarios), rows)
-        for row, (outcome, failure, scalars) in zip(rows, singles, strict=True):
-            outcomes[row], failures[row] = outcome.value, failure
-            for name, value in scalars.items():
-                table.setdefault(name, np.full(count, np.nan))[row] = value
+        ask = partial(_single, alone, scenarios)
+        for k in range(0, len(rows), CHUNK):
+            some = rows[k : k + CHUNK]
+            singles = pool.map(ask, some) if at_once else map(ask, some)
+            for row, (outcome, failure, scalars) in zip(some, singles, strict=True):
+                outcomes[row], failures[row] = outcome.value, failure
+                for name, value in scalars.items():
+                    table.setdefault(name, np.full(count, np.nan))[row] = value
     present = [name for name in SCALARS if name in table and not np.isnan(table[name]).all()]
     columns: dict[str, Any] = {name: table[name] for name in present}
     return pd.DataFrame({**columns, OUTCOME: outcomes, FAILURE: failures})
+
+
+@contextmanager
+def _pool(threads: int) -> Iterator[ThreadPoolExecutor]:
+    """So many threads; what waits for them is dropped where an error or an interrupt ends it."""
+    pool = ThreadPoolExecutor(threads)
+    try:
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def _single(

@@ -219,8 +219,11 @@ def answers_of(model: Model, varied: Varied, like: Scenario, jobs: int = 1) -> p
 
 
 def answers_by(run: Run, jobs: int, model: Model, varied: Varied, like: Scenario) -> pd.DataFrame:
-    """As `answers_of`, by the processes of a `run`; they only start where answers do not stack."""
-    if can_stack(model, like):
+    """As `answers_of`, by the processes of a `run`; they only start where answers do not stack.
+
+    A few rows of superelements, which march beside each other, are not worth processes.
+    """
+    if can_stack(model, like) or (run is map and hasattr(model, "numbers")):
         return simulate_many(model, varied, jobs)
     size = min(CHUNK, max(1, len(varied) // (PARTS * jobs)))
     parts = [varied[k : k + size] for k in range(0, len(varied), size)]
