@@ -67,7 +67,7 @@ def peaks(request: Request) -> Drawing:
     top.set_ylabel(axis_label(quantity))
     low, high = top.get_ylim()
     top.set_ylim(1.08 * min(low, 0.0), 1.08 * max(high, 0.0))
-    bottom.set_ylabel(textwrap.fill(f"deviation from {against} (%)", 34))
+    bottom.set_ylabel(textwrap.fill(f"deviation from {against} (%)", 26))
     bottom.margins(y=0.12)
     bottom.axhline(0.0, color=INK, linewidth=0.8, zorder=1)
     if table["relative_error"].isna().all():
