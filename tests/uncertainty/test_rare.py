@@ -16,7 +16,7 @@ from workbench.errors import InputError, WorkbenchError
 from workbench.registry import make_model
 from workbench.uncertainty.critical_velocity import Limit
 from workbench.uncertainty.inputs import uncertain_from_text
-from workbench.uncertainty.rare import Struck, rare_probability
+from workbench.uncertainty.rare import Mixture, Struck, rare_probability
 
 
 class Closed:
@@ -72,6 +72,15 @@ def test_closed_forms_are_met_and_the_scatter_is_what_it_says(structure, inputs,
     if points == {1}:
         assert structure.steering(nearest[None])[0] == pytest.approx(0.0, abs=0.1)
         assert results[0].shares.sum() == pytest.approx(1.0)
+
+
+def test_weights_are_those_of_the_inputs():
+    mixture = Mixture(np.array([[2.0, 0.0], [0.0, -1.5]]), np.array([0.7, 0.3]), 1.4)
+    scores = mixture.draw(100_000, np.random.default_rng(1))
+    weights, far = mixture.ratios(scores)
+    for moment, known in ((weights, 1.0), (weights * scores[:, 0] ** 2, 1.0)):
+        assert moment.mean() == pytest.approx(known, abs=4.0 * moment.std() / 100_000**0.5)
+    assert 0.0 < far.mean() < 0.1
 
 
 def test_a_failure_all_around_has_no_few_design_points():

@@ -73,15 +73,13 @@ class Struck:
 class Rare:
     """Probability of failure with its coefficient of variation `cov`.
 
-    `points` (points, inputs), scores of the design points, the nearest first; `failing`, how
-    many of the samples about them; `silent`, what samples without an answer would add at most, over
-    the probability; `runs` of the model by part.
+    `points` (points, inputs), scores of the design points, the nearest first; `silent`, what
+    samples without an answer would add at most, over the probability; `runs` of the model by part.
     """
 
     probability: float
     cov: float
     points: Array
-    failing: int
     silent: float
     runs: dict[str, int]
 
@@ -132,8 +130,7 @@ def rare_probability(
     silent = _silent_share(weights, failing, far)
     points = mixture.points[np.argsort(np.linalg.norm(mixture.points, axis=1))]
     counts = {"design points": before, "samples": len(weights)}
-    failures = int((failing == 1.0).sum())
-    return Rare(float(shares.mean()), scatter, points, failures, silent, counts)
+    return Rare(float(shares.mean()), scatter, points, silent, counts)
 
 
 class Mixture(NamedTuple):
