@@ -5,14 +5,16 @@ geometric stiffness are consistent with the cubic deflection (Przemieniecki 1968
 from how long the events of a frame take.
 """
 
-from collections.abc import Collection, Sequence
-from functools import lru_cache
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+from functools import cache, lru_cache
 from math import inf, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import block_diag, eigh
+from threadpoolctl import ThreadpoolController
 
 from workbench.arrays import Array
 from workbench.frames.members import chains, shear_stiffness
@@ -29,6 +31,19 @@ FIRST_SPAN, LATER = 6.0, 4.0  # beyond so many times to the peak, so many times 
 _FELT = 0.05  # of the largest swing of a mode after a blow
 
 Spans = list[tuple[float, float]]  # end times and time steps of the parts of a record, in s
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    """The libraries of linear algebra with threads; to look for them takes some ms."""
+    return ThreadpoolController().select(user_api="blas")
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Band solves and small eigenvalue problems are far too small for several threads."""
+    with _libraries().limit(limits=1):
+        yield
 
 
 class ElasticFrame:

@@ -12,6 +12,7 @@ import numpy as np
 
 from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
 from workbench.fields import Declared, check_keys
+from workbench.frames.elastic import one_thread
 from workbench.models.domain import implausible
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import (
@@ -63,6 +64,7 @@ class Model(Protocol):
         ...
 
 
+@one_thread()
 def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Response:
     """Run `solve` inside the contract: domain check, typed outcomes, provenance, wall time.
 
@@ -104,14 +106,6 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
     if factor != 1.0:
         response.attrs["rate_factor"] = factor
     return _signed(response, model, scenario, started)
-
-
-def admitted(model: Any, scenario: Any) -> Any:
-    """The scenario that a model solves in place of an impact, see `respond`; None if it refuses."""
-    solved, _, left_out = with_strain_rate(model, scenario)
-    rigid_alone = scenario.striker.crushes and not getattr(model, "crushing", False)
-    refusals = (each.refusal for each in (*model.domain(scenario), *left_out))
-    return None if rigid_alone or any(refusals) else solved
 
 
 def crushed(response: Response, striker: Striker) -> Response:

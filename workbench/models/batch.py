@@ -23,8 +23,8 @@ import pandas as pd
 
 from workbench.arrays import Array, Indices
 from workbench.errors import CollapseError, InputError
+from workbench.frames.elastic import one_thread
 from workbench.models.base import Model, on_one_mesh
-from workbench.models.frame_model import one_thread
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import SCALARS, Outcome, failure_message, outcome_of, scalars_of
 from workbench.scenarios import Scenario
@@ -100,6 +100,14 @@ def simulate_many(
     present = [name for name in SCALARS if name in table and not np.isnan(table[name]).all()]
     columns: dict[str, Any] = {name: table[name] for name in present}
     return pd.DataFrame({**columns, OUTCOME: outcomes, FAILURE: failures})
+
+
+def admitted(model: Any, scenario: Any) -> Any:
+    """The scenario that a model solves in place of an impact; None where it refuses."""
+    solved, _, left_out = with_strain_rate(model, scenario)
+    rigid_alone = scenario.striker.crushes and not getattr(model, "crushing", False)
+    refusals = (each.refusal for each in (*model.domain(scenario), *left_out))
+    return None if rigid_alone or any(refusals) else solved
 
 
 @contextmanager

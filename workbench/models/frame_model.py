@@ -2,20 +2,17 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
 from dataclasses import replace
-from functools import cache
 from math import pi, sqrt
 from time import perf_counter
-from typing import Any, ClassVar, TypeVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
-from threadpoolctl import ThreadpoolController
 
 from workbench.arrays import Array
 from workbench.errors import OutOfDomainError, SolverError
 from workbench.fields import Declared
-from workbench.frames.elastic import Spans
+from workbench.frames.elastic import Spans, one_thread
 from workbench.frames.record import Record
 from workbench.frames.runs import OPEN_LEDGER, run_driven, run_impact, run_static
 from workbench.frames.structure import FrameStructure
@@ -58,19 +55,7 @@ COLUMNS = (ColumnImpact, ColumnPushover, MemberPulse)
 COLUMN_HINGES = ("base", "hit-below", "hit-above", "head")
 
 
-@cache
-def _libraries() -> ThreadpoolController:
-    """The libraries of linear algebra with threads; to look for them takes some ms."""
-    return ThreadpoolController().select(user_api="blas")
-
-
 as_frame = frame_scenario  # a column becomes its two-member frame
-
-
-def one_thread() -> AbstractContextManager[Any]:
-    """Band solves and small eigenvalue problems are far too small for several threads."""
-    limited: AbstractContextManager[Any] = _libraries().limit(limits=1)
-    return limited
 
 
 def as_column(structure: FrameStructure) -> FrameStructure:
@@ -175,11 +160,10 @@ class FrameModel(ABC, Declared, table="option"):
         """
         if isinstance(scenario, FrameGroundMotion):
             scenario = scenario.with_masses()
-        with one_thread():
-            structure = self.structure(scenario)
-            if isinstance(scenario, COLUMNS):
-                structure = as_column(structure)
-            return self.run(as_frame(scenario), structure)
+        structure = self.structure(scenario)
+        if isinstance(scenario, COLUMNS):
+            structure = as_column(structure)
+        return self.run(as_frame(scenario), structure)
 
     def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
         """Answer a scenario on a structure that the run may change."""

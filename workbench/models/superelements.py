@@ -40,9 +40,9 @@ from workbench.hinges.interaction import fitted_exponents
 from workbench.impact.pace import Pace
 from workbench.materials import Steel
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
-from workbench.models.base import admitted
+from workbench.models.batch import admitted
 from workbench.models.domain import DIRECT_SHEAR, panel_findings
-from workbench.models.frame_model import COLUMNS, Clock, as_column, as_frame, one_thread
+from workbench.models.frame_model import COLUMNS, Clock, as_column, as_frame
 from workbench.models.strain_rate import (
     FACTOR,
     RATE_LEVELS,
@@ -136,7 +136,7 @@ class _HingedBars(BarFrames):
         return _standing(self, event.frame, parts, isinstance(scenario, COLUMNS))
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
-        """As all; compiled steps leave the kept structure as it is, and need no libraries."""
+        """As all; compiled steps leave the kept structure as it is."""
         if isinstance(as_frame(scenario), FrameImpact) and self.integrator == MIDPOINT:
             return self.run(as_frame(scenario), self._standing(scenario))
         return super().solve(scenario)
@@ -248,8 +248,7 @@ def _standing(
     model: _HingedBars, frame: Frame, parts: tuple[int, ...], column: bool
 ) -> FrameStructure:
     """The frame under its dead loads, or `column`, kept for many strikers."""
-    with one_thread():
-        structure = model.bring_up(frame, parts)
+    structure = model.bring_up(frame, parts)
     return as_column(structure) if column else structure
 
 

@@ -19,7 +19,6 @@ from workbench.frames.runs import OPEN_LEDGER
 from workbench.materials import Steel
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
-from workbench.models.frame_model import one_thread
 from workbench.references.fiber import override_findings
 from workbench.references.refine import (
     HALVED_STEPS,
@@ -158,20 +157,17 @@ class SolidPlaneStress(Declared, table="option"):
         From then on the restraint spring, unstressed, or the lock of a fixed head acts.
         """
         column = scenario.column
-        with one_thread():
-            solid = solid_column(
-                column, self.smallest_element, self.refinement, self.hardening_ratio
-            )
-            head, hit = solid.supports.head, solid.supports.hit
-            solid.load[head], solid.held = -column.axial_load, np.array([hit])
-            apply_loads(solid, tolerance=TOLERANCE, most_cuts=0, name="axial load")
-            solid.held = np.array([head] if column.head == "fixed" else [], dtype=np.int64)
-            if column.head != "fixed":
-                solid.spring = (column.restraint_stiffness, float(solid.displacement[head]))
-            if isinstance(scenario, ColumnPushover):
-                return _push(scenario, solid, self.path(scenario))
-            longest = (self.time_step or np.inf) / 2.0 ** (self.refinement + self.step_refinement)
-            return _strike(scenario, solid, longest)
+        solid = solid_column(column, self.smallest_element, self.refinement, self.hardening_ratio)
+        head, hit = solid.supports.head, solid.supports.hit
+        solid.load[head], solid.held = -column.axial_load, np.array([hit])
+        apply_loads(solid, tolerance=TOLERANCE, most_cuts=0, name="axial load")
+        solid.held = np.array([head] if column.head == "fixed" else [], dtype=np.int64)
+        if column.head != "fixed":
+            solid.spring = (column.restraint_stiffness, float(solid.displacement[head]))
+        if isinstance(scenario, ColumnPushover):
+            return _push(scenario, solid, self.path(scenario))
+        longest = (self.time_step or np.inf) / 2.0 ** (self.refinement + self.step_refinement)
+        return _strike(scenario, solid, longest)
 
 
 class _States:
