@@ -64,6 +64,8 @@ def test_comparisons_have_the_widths_of_both_bands(stored):
 
 def test_the_page_shows_curve_band_what_governs_and_cost(stored):
     plates = {plate.figure.key: plate for plate in draw_all(stored.study, stored)}
+    titles = [panel.get_title(loc="left") for panel in plates["exceedance"].drawing.canvas.axes]
+    assert titles == ["column: 0.1 m"]
     drawn = plates["exceedance"].drawing.data
     assert set(drawn["label"]) == {CORRECTED, ALONE}
     assert (drawn["low"] <= drawn["median"]).all()

@@ -9,8 +9,10 @@ import pytest
 from builders import UNCERTAIN
 
 from workbench.cli import run
+from workbench.cli.fragility import pair_of
 from workbench.errors import InputError, WorkbenchError
 from workbench.registry import make_model
+from workbench.scenarios import frame_scenario
 from workbench.uncertainty.certificate import certificate, verify
 from workbench.uncertainty.critical_velocity import (
     ALREADY,
@@ -197,6 +199,16 @@ def test_bad_input_is_one_line(file, capsys, arguments, message):
     error = capsys.readouterr().err
     assert message in error
     assert error.count("\n") == 1
+
+
+def test_structures_have_models_of_their_own():
+    column = uncertain_from_text(TEXT).base
+    short = column.changed(column=column.column.changed(length_below=0.4, length_above=0.8))
+    assert pair_of(column, None, None) == ("four-dof", "fiber-reissner")
+    assert pair_of(short, None, None) == ("four-dof-shear", "fiber-shear")
+    assert pair_of(column, "single-dof", None) == ("single-dof", "fiber-reissner")
+    struck = frame_scenario(column)
+    assert pair_of(struck, None, None) == ("flexible-superelement", "fiber-reissner")
 
 
 def test_certificates_that_are_none_are_one_line(tmp_path, capsys):

@@ -229,14 +229,12 @@ def pair_of(scenario: Any, model: str | None, reference: str | None) -> tuple[st
     """Reduced model and reference: of bending, or of webs that yield in shear."""
     from workbench.registry import make_model
 
-    if model is None or reference is None:
+    usual = ("flexible-superelement", "fiber-reissner")
+    if scenario.KIND == "column-impact":
         findings = make_model("four-dof").domain(scenario)
-        yields = any(f.subject == "shear" for f in findings)
+        yields = any(finding.subject == "shear" for finding in findings)
         usual = ("four-dof-shear", "fiber-shear") if yields else ("four-dof", "fiber-reissner")
-        if scenario.KIND != "column-impact":
-            usual = ("flexible-superelement", usual[1])
-        model, reference = model or usual[0], reference or usual[1]
-    return model, reference
+    return model or usual[0], reference or usual[1]
 
 
 def _blocks(result: Fragility) -> Iterator[Block]:

@@ -3,7 +3,8 @@
 ``history``, options: `quantity` (a history; `impulse` stands for the percussions summed up),
 `hinge` (a name, for quantities that belong to hinges), `cases`.
 ``force-displacement``, options: `quantity` (``force``, the default, or ``load_factor``), `cases`.
-``exceedance``: probability over velocity with its band, one panel per case. Option: `cases`.
+``exceedance``: probability over velocity with its band, one panel per case, named with its limit.
+Option: `cases`.
 ``place``: the last unknown of an integrator's problem and the exact one.
 ``energy``: the ledger of one impact, one panel per label. Option: `case` (default the first that
 has a ledger).
@@ -180,7 +181,10 @@ def exceedance_bands(request: Request) -> Drawing:
             columns = dict(zip(("low", "median", "high"), edges, strict=True))
             sheet.record(case=case.name, label=label, velocity_SI=velocity, **columns)
         panel.set_ylim(0.0, 1.0)
-        sheet.name(panel, case.name, VELOCITY, "probability of exceedance")
+        beyond = getattr(case.scenario, "displacement", None)
+        limit = "collapse" if beyond is None else f"{beyond:g} m"
+        title = case.name if limit in case.name else f"{case.name}: {limit}"
+        sheet.name(panel, title, VELOCITY, "probability of exceedance")
     empty = "No model answered with a fragility curve."
     return sheet.finish("probability of exceedance over the impact velocity", empty=empty)
 
