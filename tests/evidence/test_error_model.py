@@ -29,6 +29,7 @@ from workbench.evidence.error_table import (
     LocalMean,
     ends_of,
 )
+from workbench.materials import CowperSymonds
 from workbench.models.strain_rate import stronger
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.references.fiber_shear import FiberShear
@@ -266,6 +267,23 @@ def test_a_rate_law_adds_what_one_factor_leaves_out() -> None:
     steel = replace(hit.column.steel, hardening_modulus=2.1e9)
     hard = replace(hit, column=replace(hit.column, steel=steel))
     assert truth_ratio(hard).reason == "errors were measured without hardening"
+
+
+def test_what_one_factor_leaves_out_goes_with_the_overstress() -> None:
+    """Below all that were drawn it is no more than at the least; above them it is not known."""
+    hit = drawn(RATES.rows[np.isfinite(RATES.ratios)].iloc[0])
+    features = RATES.features(hit)
+    half, whole = (RATES.truths(features | {FACTOR: each}) for each in (1.15, 1.3))
+    assert whole == pytest.approx(2.0 * half)
+    for share, unknown in ((1.0, False), (1.05, False), (1.8, True)):
+        assert bool(RATES.unknown(features | {FACTOR: share})) == unknown
+    least = RATES.rows[FACTOR][np.isfinite(RATES.ratios)].min()
+    at_least, none = (RATES.truths(features | {FACTOR: each}) for each in (least, 1.0))
+    assert none == pytest.approx(at_least)
+    steel = hit.column.steel.changed(rate=CowperSymonds(1e15, 5.0))
+    hardly = replace(hit, column=hit.column.changed(steel=steel))
+    plain = truth_ratio(stronger(hardly, RATES.features(hardly)[FACTOR]))
+    assert truth_ratio(hardly)[0] == pytest.approx(widened(plain[0], none))
 
 
 def test_the_verb_measures_a_table_and_goes_on_where_it_was(

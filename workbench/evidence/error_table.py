@@ -18,6 +18,7 @@ from workbench.arrays import Array
 from workbench.evidence.catalogue import load
 from workbench.evidence.descriptors import (
     DEMAND,
+    FACTOR,
     FEATURES,
     FRAME_FEATURES,
     LOADED,
@@ -91,7 +92,9 @@ class ErrorTable:
     of features between cells; `doubted`, those between which the finest reference judged the
     reference (empty: it did not); share by which the peak of an anchor `grows`, at 1.05 of the
     load, that is close to collapse; whether intervals are `centred` by what is near; names of
-    `anchor` and `reference`; the table of what a rate law adds (`rated`; None: not measured).
+    `anchor` and `reference`; the table of what a rate law adds (`rated`; None: not measured);
+    `factor`, a feature at which, if it is 1, nothing is off: errors grow in proportion to what it
+    has beyond 1, and below all that were drawn are at most those of the least (empty: none does).
     """
 
     kind: str
@@ -106,6 +109,7 @@ class ErrorTable:
     anchor: str = ANCHOR
     reference: str = REFERENCE
     rated: "ErrorTable | None" = None
+    factor: str = ""
 
     @cached_property
     def rows(self) -> pd.DataFrame:
@@ -124,11 +128,19 @@ class ErrorTable:
 
     def rests(self, values: Mapping[str, float]) -> Array:
         """Sorted ln(truth / anchor) in the cell of a scenario, less what the others expect."""
-        return _alike(self._rests, self.rows, values, self.cells)
+        rests: Array = _alike(self._rests, self.rows, values, self.cells) * self._beyond(values)
+        return rests
+
+    def _beyond(self, values: Any) -> Any:
+        """What errors are in proportion to, of features or of all rows; no less than was drawn."""
+        if not self.factor:
+            return 1.0
+        least = self.rows[self.factor][~np.isnan(self.ratios)].min()
+        return np.maximum(values[self.factor], least) - 1.0
 
     @cached_property
     def _rests(self) -> Array:
-        rests = self.ratios.copy()
+        rests: Array = self.ratios / self._beyond(self.rows)
         if self.centred:
             rests[np.isfinite(rests)] = self._local.rests
         return rests
@@ -143,9 +155,9 @@ class ErrorTable:
         if "anchor_residual" not in self.rows:
             return np.empty(0)
         change = self.rows["reference_residual"] - self.rows["anchor_residual"]
-        parts = (change / self.rows[self.anchor]).to_numpy(float)
+        parts = (change / self.rows[self.anchor] / self._beyond(self.rows)).to_numpy(float)
         known = _alike(parts + 0.0 * self.ratios, self.rows, values, self.cells)
-        return known if len(known) >= LEAST else known[:0]
+        return known * self._beyond(values) if len(known) >= LEAST else known[:0]
 
     def doubts(self, values: Mapping[str, float]) -> Array:
         """Sorted ln(finest / reference) of such columns, empty where they are few."""
@@ -175,6 +187,8 @@ class ErrorTable:
         """Why nothing is known of a scenario with such features; empty where something is."""
         point, known = self.scaled(values), self._points[~np.isnan(self.ratios)]
         low, high = known.min(axis=0), known.max(axis=0)
+        if self.factor:
+            low[list(self.words).index(self.factor)] = 0.0  # of 1, where nothing is off
         away = np.maximum(low - point, point - high) > MARGIN * (high - low)
         texts = []
         for name in np.array(list(self.words))[away]:
@@ -233,6 +247,7 @@ RATES = ErrorTable(
     words=RATE_FEATURES,
     cells={STRIKER: (0.6,), DEMAND: (1.0,)},
     anchor=FACTOR_BEAM,
+    factor=FACTOR,
 )
 COLUMNS = ErrorTable(
     kind=ColumnImpact.KIND,
