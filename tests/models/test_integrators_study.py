@@ -98,6 +98,9 @@ def test_the_page_says_which_scheme_for_which_problem(stored: Stored) -> None:
     assert rows["newmark"][0].text.startswith("never\n1.6 times")
     values = [text for b in walk((section,)) if isinstance(b, Bullets) for text in b.items]
     assert any(text.startswith("two-masses: ") for text in values)
+    reached = [text for text in values if text.startswith("An error of 1 % is reached on 2 of 2")]
+    assert len(reached) == 1
+    assert "newmark" not in reached[0].split(";")[0]
     lost = [text for text in values if text.startswith("More than 10 %")]
     assert lost == [
         "More than 10 % of the largest place off on two-masses: newmark, at worst by 1.6 times."

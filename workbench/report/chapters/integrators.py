@@ -1,6 +1,8 @@
 """Which integrator for which problem: a matrix of the work that one percent of error takes."""
 
+from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -17,6 +19,7 @@ from workbench.study.definition import Study
 GOOD = 0.01  # error of the places over the largest place
 _EXACT, _POOR, _BLOWN = 1e-10, 0.1, 10.0
 _CALM, _CHATTER = 0.1, 0.3  # of a lasting contact; a single blow has 1
+_IN_SIGHT = 6  # schemes in the table on a screen
 _LESS = "≤\u202f"
 PAGE = Page(__file__)
 
@@ -58,9 +61,17 @@ def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
         Column("scheme", width=2.0, of=lambda item: str(item[0])),
         *(Column(name, width=1.0, of=partial(_cell, name)) for name in problems),
     )
+    reached = Counter(n for n, row in entries.items() for e in row.values() if e and e.work)
+    rows = sorted(entries.items(), key=lambda item: -reached[item[0]])
+    most = max(reached.values(), default=0)
+    least = Counter(able[0][1] for name in problems if (able := _able(name, entries)))
     return PAGE.blocks(
         "integrators",
-        table=Table.of("integrators", "", columns, entries.items()),
+        table=replace(Table.of("integrators", "", columns, rows), in_sight=_IN_SIGHT),
+        reached=[label for label, _ in rows if most and reached[label] == most],
+        most=most,
+        least=[f"{label} ({number})" for label, number in least.most_common()],
+        problems=problems,
         best=[(name, _best(name, entries)) for name in problems],
         wrong=list(_wrong(entries)),
         chatter=list(_chatter(entries)),
@@ -103,7 +114,8 @@ def _cell(problem: str, item: tuple[str, dict[str, _Entry | None]]) -> Cell:
     if entry.missed or entry.spurious:
         lines.append(f"−{entry.missed} +{entry.spurious}")
     tone = "good" if entry.work is not None else "doubt" if entry.error <= _POOR else "bad"
-    return Cell("\n".join(lines), entry.work, tone, bool(entry.missed or entry.spurious))
+    hatched = bool(entry.missed or entry.spurious)
+    return Cell("\n".join(lines), entry.work, tone, hatched, brief=lines[0])
 
 
 def _words(entry: _Entry) -> str:
@@ -117,10 +129,15 @@ def _times(error: float) -> str:
     return f"{100.0 * error:.0f}\u202f%" if error < 0.995 else f"{error:.2g} times"
 
 
+def _able(problem: str, entries: Entries) -> list[tuple[int, str, _Entry]]:
+    """Schemes that reach 1 %, those of least work first."""
+    able = [(e.work, n, e) for n, row in entries.items() if (e := row.get(problem)) and e.work]
+    return sorted(able)
+
+
 def _best(problem: str, entries: Entries) -> list[str]:
     """The three schemes that need least work."""
-    able = [(e.work, n, e) for n, row in entries.items() if (e := row.get(problem)) and e.work]
-    return [f"{name} {_words(entry)}" for _, name, entry in sorted(able)[:3]]
+    return [f"{name} {_words(entry)}" for _, name, entry in _able(problem, entries)[:3]]
 
 
 def _wrong(entries: Entries) -> Iterator[tuple[list[str], tuple[str, ...], str]]:
