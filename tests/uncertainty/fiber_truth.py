@@ -1,4 +1,4 @@
-"""Measure `fiber_truth.csv`: critical velocities of 1024 samples by fibers, one run at each.
+"""Measure `fiber_truth.csv`: critical velocities of 2048 samples by fibers, one run at each.
 
     python tests/uncertainty/fiber_truth.py
 
@@ -20,7 +20,7 @@ from workbench.uncertainty.critical_velocity import Limit, slopes_at
 from workbench.uncertainty.inputs import uncertain_from_text
 from workbench.uncertainty.sample_runs import Sampled, Setup, ratio_at
 
-SAMPLES, SEED = 1024, 7
+SAMPLES, SEED = 2048, 7
 TABLE = Path(__file__).with_name("fiber_truth.csv")
 COLUMN = """
 kind = "column-impact"

@@ -2,7 +2,7 @@
 
 The cases are those of the table in docs/theory/fragility.md. Each gives the critical velocities of
 the reduced model, with its class, and the log ratio to the reference at every sample. Case "fibers"
-draws from 1024 columns of which all have been run (`fiber_truth.py`).
+draws from 2048 columns of which all have been run (`fiber_truth.py`).
 """
 
 from pathlib import Path

@@ -245,11 +245,12 @@ def _blocks(result: Fragility) -> Iterator[Block]:
     low, middle, high = (exp(u) for u in curve.velocity(0.5))
     limit = setup.limit
     exceeded = f"exceeds {limit}" if isfinite(limit.displacement) else "collapses"
-    band = f"{low:.3g} to {high:.3g} m/s" if isfinite(low) and isfinite(high) else "open"
+    band = f"{low:.4g} to {high:.4g} m/s" if isfinite(low) and isfinite(high) else "open"
     yield Paragraph(
         f"{setup.uncertain.base.name}: {exceeded} with probability 0.5 at "
-        f"{middle:.3g} m/s (90 %: {band}); {setup.reduced.name} in {setup.samples} samples, "
-        f"corrected by {len(result.ratios)} runs of {setup.reference.name}."
+        f"{middle:.4g} m/s (90 %: {band}); {setup.reduced.name} in {setup.samples} samples, "
+        f"corrected by {len(result.ratios)} runs of {setup.reference.name}, "
+        "which is taken as the truth but for its mesh."
     )
     ends = [curve.velocity(p)[1] for p in (0.02, 0.98)]
     first, last = map(exp, ends) if all(map(isfinite, ends)) else setup.ends

@@ -44,7 +44,7 @@ _SHARES = (0.05, 0.5, 0.95)
 @verb
 def sample(
     scenario: ScenarioFile,
-    model: str = option("Name of a model, see `workbench models`.", "four-dof", "NAME"),
+    model: str | None = option("Name of a model.  [default: by the scenario]", None, "NAME"),
     out: str | None = option(
         "Write the table, or keep a folder of chunks.  [default: quantiles alone]",
         None,
@@ -67,6 +67,7 @@ def sample(
     answers stay a folder of chunks, which `workbench gather` joins to the same table. Exit status 0
     if all survive or collapse, 1 if one has no answer (the table says why), 2 for bad input.
     """
+    from workbench.cli.fragility import pair_of
     from workbench.fields import Number
     from workbench.registry import make_model
     from workbench.study.store import own_directory
@@ -81,7 +82,8 @@ def sample(
     Number(0, MOST, integer=True).check("--first", first)
     number, count = (1, 1) if part is None else _slice(part)
     uncertain, workers = _uncertain(scenario, settings, seed), processes(jobs)
-    question = Question(uncertain.text, make_model(model, pairs_of("--option", options)), seed)
+    name = model or pair_of(uncertain.base, None, "")[0]
+    question = Question(uncertain.text, make_model(name, pairs_of("--option", options)), seed)
     whole = Span(first, first + samples)
     spans = question.spans(whole)
     mine = spans[len(spans) * (number - 1) // count : len(spans) * number // count]
@@ -90,9 +92,8 @@ def sample(
     if target is None:
         folder = Path(mkdtemp())
     else:
-        name = target.name if kept else f".{target.name}{_CHUNKS}"
-        folder = own_directory(target.parent, name)
-    with at_work(f"{model}, samples {mine[0].first} to {mine[-1].last - 1}, at work"):
+        folder = own_directory(target.parent, target.name if kept else f".{target.name}{_CHUNKS}")
+    with at_work(f"{name}, samples {mine[0].first} to {mine[-1].last - 1}, at work"):
         chunks = answer_chunks(question, folder, mine, whole, workers, scheduler)
     answer = _tabled(chunks, target)
     if not kept:
@@ -159,7 +160,7 @@ def _tabled(chunks: list[Chunk], target: Path | None) -> Answer:
 @verb
 def sensitivity(
     scenario: ScenarioFile,
-    model: str = option("Name of a model, see `workbench models`.", "four-dof", "NAME"),
+    model: str | None = option("Name of a model.  [default: by the scenario]", None, "NAME"),
     samples: int = option("Rows; the model answers inputs + 2 times as many.", 1024),
     quantity: str = option("Scalar of the answer.", "peak_displacement", "NAME"),
     seed: int = option("Seed of the Sobol sequence.", 1),
@@ -175,6 +176,7 @@ def sensitivity(
     """
     import numpy as np
 
+    from workbench.cli.fragility import pair_of
     from workbench.fields import Number
     from workbench.registry import make_model
     from workbench.uncertainty.inputs import sobol_scores
@@ -186,12 +188,13 @@ def sensitivity(
     if not uncertain.independent:
         text = "makes indices of single inputs meaningless"
         raise InputError("correlation", "", text, "leave the table out")
-    chosen, count = make_model(model, pairs_of("--option", options)), processes(jobs)
+    reduced = model or pair_of(uncertain.base, None, "")[0]
+    chosen, count = make_model(reduced, pairs_of("--option", options)), processes(jobs)
     d = len(uncertain.inputs)
     scores = sobol_scores(2 * d, samples, (seed,))
     A, B = scores[:, :d], scores[:, d:]
     mixed = [np.where(np.arange(d) == i, B, A) for i in range(d)]
-    with at_work(f"{model}, {samples * (d + 2)} samples, at work"):
+    with at_work(f"{reduced}, {samples * (d + 2)} samples, at work"):
         table = sample_answers(chosen, uncertain, np.vstack([A, B, *mixed]), count)
     if quantity not in table:
         scalars = [name for name in table.columns if table[name].dtype == float]
@@ -213,7 +216,7 @@ def sensitivity(
         rows.append(row)
     content = {
         "scenario": uncertain.base.name,
-        "model": model,
+        "model": reduced,
         "quantity": quantity,
         "samples": samples,
         "missing_share": share,
@@ -221,7 +224,7 @@ def sensitivity(
             {k: v if isinstance(v, str) else v._asdict() for k, v in row.items()} for row in rows
         ],
     }
-    return Answer(content, _shown(uncertain, model, quantity, share, rows))
+    return Answer(content, _shown(uncertain, reduced, quantity, share, rows))
 
 
 @verb

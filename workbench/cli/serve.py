@@ -171,7 +171,7 @@ class Handler(BaseHTTPRequestHandler):
 def serve(
     scenario: ScenarioFile,
     over: list[str] = option("Key of a number that is input, once for each.", ..., "KEY"),
-    model: str = option("Name of a model, see `workbench models`.", "four-dof", "NAME"),
+    model: str | None = option("Name of a model.  [default: by the scenario]", None, "NAME"),
     quantity: list[str] = option("Scalar that is output.", ["peak_displacement"], "NAME"),
     host: str = option("Address to listen at.", "127.0.0.1"),
     port: int = option("Port to listen at; 0: any that is free.", 4242),
@@ -183,22 +183,25 @@ def serve(
     By the protocol of UM-Bridge, until Ctrl-C: input are the numbers of the scenario under --over,
     output the scalars under --quantity, all in SI. Exit status 0, 2 for bad input.
     """
+    from workbench.cli.fragility import pair_of
     from workbench.fields import Number
     from workbench.models.base import on_one_mesh
     from workbench.registry import make_model
     from workbench.scenarios import load_scenario
 
     Number(0, 65535, integer=True).check("--port", port)
-    chosen = on_one_mesh(make_model(model, pairs_of("--option", options)))
-    service = Service(chosen, load_scenario(scenario, settings or []), over, quantity)
+    base = load_scenario(scenario, settings or [])
+    name = model or pair_of(base, None, "")[0]
+    chosen = on_one_mesh(make_model(name, pairs_of("--option", options)))
+    service = Service(chosen, base, over, quantity)
     try:
         server = Server(service, host, port)
     except OSError as error:
         text = f"cannot be listened at: {error.strerror or message_of(error)}"
         raise InputError("--port", f"{host}:{port}", text, "take another one") from error
     address = f"http://{host}:{server.server_port}"
-    print(f"workbench: {model} is served at {address} until Ctrl-C", file=sys.stderr, flush=True)
+    print(f"workbench: {name} is served at {address} until Ctrl-C", file=sys.stderr, flush=True)
     with server, suppress(KeyboardInterrupt):
         server.serve_forever()
-    text = f"{server.count} evaluations of {model}."
-    return Answer({"model": model, "evaluations": server.count}, [Paragraph(text)])
+    text = f"{server.count} evaluations of {name}."
+    return Answer({"model": name, "evaluations": server.count}, [Paragraph(text)])

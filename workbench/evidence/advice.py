@@ -161,7 +161,8 @@ class Choice:
     @property
     def reason(self) -> str:
         """Why it is taken, with the error where that was measured for such scenarios."""
-        return f"{self.because}: {self.error}" if self.measured else self.because
+        of = "" if self.model == ANCHOR else f"{ANCHOR}: "
+        return f"{self.because}: {of}{self.error}" if self.measured else self.because
 
 
 def choose(scenario: Any) -> Choice:
