@@ -46,9 +46,9 @@ def fragility(
     reference: str | None = option(
         "Reference that corrects it.  [default: fiber-reissner, fiber-shear where webs yield]", None
     ),
-    samples: int = option("Samples of the inputs, 16 times a power of 2.", 8192),
+    samples: int = option("Samples of the inputs: 16 times a power of 2, at least 2048.", 8192),
     references: int | None = option(
-        "Number of references.  [default: as many as the band needs, 12 to 60]", None
+        "Number of references, 8 or more.  [default: as many as the band needs, 12 to 60]", None
     ),
     half_width: float = option("Half-width in probability that is good enough.", 0.02),
     seconds: float = option("Budget; no further look at the band after it.", 600.0),
