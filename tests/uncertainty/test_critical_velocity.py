@@ -42,6 +42,14 @@ def test_power_laws_are_found_exactly(exponent, start):
         assert root.kind == NEVER
 
 
+@pytest.mark.parametrize("exponent", [8.0, 14.5, 15.0, 15.9, 60.0])
+def test_steep_peaks_are_found_in_few_runs(exponent):
+    root = critical_velocity(power(0.1 * 30.0**-exponent, exponent), Limit(0.1), log(14.0), ENDS)
+    assert root.kind == REACHED
+    assert root.log_velocity == pytest.approx(log(30.0), abs=3e-4)
+    assert root.runs <= 10
+
+
 def test_collapse_in_the_way_is_the_critical_velocity():
     def peak_at(x):
         return inf if x > 2.345 else 1e-3 * exp(1.5 * x)

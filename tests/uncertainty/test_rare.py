@@ -49,12 +49,16 @@ BLIND = Closed(lambda z: np.minimum(4.5 - z[:, 0], 4.6 + z[:, 1]), lambda z: 4.5
             Closed(lambda z: np.minimum(4.5 - z @ TURNED[0], 4.5 - z @ TURNED[1])),
             6,
             1.0 - ndtr(4.5) ** 2,
-            {2, 3},
+            {2, 3, 4, 5, 6},
         ),
         (Closed(lambda z: 4.5 - np.abs(z @ TURNED[0])), 6, 2.0 * ndtr(-4.5), {2, 3}),
         (BLIND, 4, ndtr(-4.5) + ndtr(-4.6), {2, 3}),
+        (Closed(lambda z: 4.2 - z[:, :3].max(axis=1)), 6, 1.0 - ndtr(4.2) ** 3, {3, 4, 5, 6}),
     ],
-    ids=["one", "linear", "many", "not-rare", "curved", "two", "opposite", "steered-to-one-of-two"],
+    ids=[
+        *("one", "linear", "many", "not-rare", "curved", "two", "opposite"),
+        *("steered-to-one-of-two", "three"),
+    ],
 )
 def test_closed_forms_are_met_and_the_scatter_is_what_it_says(structure, inputs, known, points):
     known = float(ndtr(-PARABOLA).mean()) if known is None else known

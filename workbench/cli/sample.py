@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from workbench.cli.fragility import pair_of
 from workbench.cli.output import (
     ENDINGS,
     Answer,
@@ -67,7 +68,6 @@ def sample(
     answers stay a folder of chunks, which `workbench gather` joins to the same table. Exit status 0
     if all survive or collapse, 1 if one has no answer (the table says why), 2 for bad input.
     """
-    from workbench.cli.fragility import pair_of
     from workbench.fields import Number
     from workbench.registry import make_model
     from workbench.study.store import own_directory
@@ -176,7 +176,6 @@ def sensitivity(
     """
     import numpy as np
 
-    from workbench.cli.fragility import pair_of
     from workbench.fields import Number
     from workbench.registry import make_model
     from workbench.uncertainty.inputs import sobol_scores
@@ -247,7 +246,6 @@ def rare(
     """
     import numpy as np
 
-    from workbench.cli.fragility import pair_of
     from workbench.fields import Number
     from workbench.registry import make_model
     from workbench.uncertainty.critical_velocity import limit_of
@@ -268,9 +266,10 @@ def rare(
         random = np.random.default_rng(seed)
         result = rare_probability(struck, len(uncertain.inputs), random, cov, runs)
     at = [values.tolist() for values in uncertain.values(result.points).values()]
-    medians = [distribution.middle for distribution in uncertain.inputs.values()]
+    medians = (each.middle for each in uncertain.inputs.values())
     rows = [
-        {"input": key, "median": median, "design_points": values, "share": float(share)}
+        {"input": key, "median": median, "design_points": values}
+        | ({"share": float(share)} if uncertain.independent else {})
         for key, median, values, share in zip(
             uncertain.names, medians, at, result.shares, strict=True
         )
@@ -287,21 +286,23 @@ def rare(
         "runs": result.runs,
         "inputs": rows,
     }
-    low, high = result.band
     event = "collapses" if exceeded.displacement == np.inf else f"exceeds {exceeded}"
-    scatter = f"90 %: {low:.2g} to {high:.2g}, coefficient of variation {result.cov:.2f}"
+    scatter = "90 %: {:.2g} to {:.2g}, coefficient of variation {:.2f}".format(
+        *result.band, result.cov
+    )
     text = f"{base.name}: {event} with probability {result.probability:.2g} ({scatter})"
     text += f", reliability index {result.index:.2f}; {name}, {sum(result.runs.values())} runs."
     columns: dict[str, Any] = {"input": "input", "median": lambda row: _number(row["median"])}
     for k in range(len(result.points)):
         columns[f"design point {k + 1}"] = lambda row, k=k: _number(row["design_points"][k])
-    columns["share"] = lambda row: Cell(f"{row['share']:.2f}", row["share"])
-    caption = "Where failure is most likely, in SI, and shares in the variance of the margin there."
+    if uncertain.independent:
+        columns["share"] = lambda row: Cell(f"{row['share']:.2f}", row["share"])
+    caption = "Where failure is most likely, in SI; shares in the variance of the margin there."
     left_out = "The error of the model and that of the distributions is not in it."
     if result.silent > 0.0:
         left_out += f" Samples without an answer add {100.0 * result.silent:.2g} % at most."
-    blocks = Paragraph(text), Paragraph(left_out), Table.of("design", caption, columns, rows)
-    return Answer(content, blocks, int(result.cov > cov))
+    table = Table.of("design", caption, columns, rows)
+    return Answer(content, (Paragraph(text), Paragraph(left_out), table), int(result.cov > cov))
 
 
 def _number(value: Any) -> Cell | str:

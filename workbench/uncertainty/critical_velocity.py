@@ -27,7 +27,7 @@ LONGEST_STEP, SLOPES = 0.25, (0.5, 8.0)  # of ln velocity; d ln peak / d ln velo
 STRIDE = 0.04  # of ln velocity, the first towards a collapse
 CLOSE = 2e-4  # ln peak, at the critical velocity of a reduced model
 COARSE = 2e-3  # the same of a reference, and its bracket of a collapse
-MOST_RUNS = 40
+MOST_RUNS, MOST_SECANTS = 40, 12  # after so many secants brackets are halved
 BEYOND = 3.0  # the range of velocities is searched so many times wider on both sides
 ASIDE = 0.03  # ln velocity, of the two runs that give a slope
 FAR = 0.05  # ln velocity; a correction above it is followed by a second run
@@ -164,7 +164,8 @@ def search(
             return Root(0.5 * (above + below), BY_COLLAPSE, run)
         if isfinite(peak) and isfinite(d):
             if last is not None and x != last[0]:
-                slope = min(max((log(peak) - last[1]) / (x - last[0]), SLOPES[0]), SLOPES[1])
+                steepest = inf if bracketed else SLOPES[1]  # between a bracket it cannot run away
+                slope = min(max((log(peak) - last[1]) / (x - last[0]), SLOPES[0]), steepest)
             last = x, log(peak)
             step = min(max(log(d / peak) / slope, -LONGEST_STEP), LONGEST_STEP)
             target = x + step
@@ -173,7 +174,7 @@ def search(
         else:
             target = x + (stride if isfinite(peak) else -stride)
             stride = min(2.0 * stride, LONGEST_STEP)
-        if bracketed and not below < target < above:
+        if bracketed and (run > MOST_SECANTS or not below < target < above):
             target = 0.5 * (below + above)
         if bracketed and above - below <= 0.1 * close:
             return Root(0.5 * (above + below), BY_COLLAPSE if collapsed else REACHED, run)

@@ -22,7 +22,7 @@ from workbench.uncertainty.sample_runs import VELOCITY, Run, Sampled, Setup
 
 RANGE = (0.1, 10.0)  # velocities that are searched, over that of the scenario
 ASIDE, CLOSE, LONGEST = 0.5, 0.2, 3.0  # scores: of differences, of a point that stays, of a step
-MOST_STEPS, MOST_POINTS = 8, 3
+MOST_STEPS, MOST_POINTS = 8, 8
 SCOUTS, WIDE = 512, 0.5  # wide samples; their deviation over the distance of the first point
 FARTHEST, WAY = 5.0, 16  # that distance where none is known; places on the way to a wide sample
 BESIDE, LEAST_PART = 1.0, 0.2  # score before a plane that is not near it; least share of a point
@@ -183,6 +183,11 @@ def _mixture(structure: Struck, inputs: int, random: np.random.Generator) -> tup
         other, left = _mean_failure(structure, left[0], random), left[1:]
         points = np.vstack([points, other])
         runs += WAY + ROUNDS * EACH
+    if (_beyond(left, points) < -BESIDE).any():
+        text = (
+            f"samples fail apart from {MOST_POINTS} of them, so that a design point was not found"
+        )
+        raise WorkbenchError(f"{text}; take `workbench sample`")
     if not len(points):
         text = f"fails in none of {SCOUTS} wide samples, nor does an input lead to a failure"
         raise WorkbenchError(f"the structure {text}; take another limit, or wider distributions")
