@@ -5,8 +5,7 @@ geometric stiffness are consistent with the cubic deflection (Przemieniecki 1968
 from how long the events of a frame take.
 """
 
-from collections.abc import Collection, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Sequence
 from functools import cache, lru_cache
 from math import inf, pi, sqrt
 from typing import NamedTuple
@@ -34,16 +33,12 @@ Spans = list[tuple[float, float]]  # end times and time steps of the parts of a 
 
 
 @cache
-def _libraries() -> ThreadpoolController:
-    """The libraries of linear algebra with threads; to look for them takes some ms."""
+def linear_algebra() -> ThreadpoolController:
+    """The libraries of linear algebra with threads; to look for them takes some ms.
+
+    Band solves and small eigenvalue problems are far too small for several: `limit(limits=1)`.
+    """
     return ThreadpoolController().select(user_api="blas")
-
-
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Band solves and small eigenvalue problems are far too small for several threads."""
-    with _libraries().limit(limits=1):
-        yield
 
 
 class ElasticFrame:

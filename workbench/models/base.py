@@ -12,7 +12,7 @@ import numpy as np
 
 from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
 from workbench.fields import Declared, check_keys
-from workbench.frames.elastic import one_thread
+from workbench.frames.elastic import linear_algebra
 from workbench.models.domain import implausible
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import (
@@ -64,7 +64,6 @@ class Model(Protocol):
         ...
 
 
-@one_thread()
 def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Response:
     """Run `solve` inside the contract: domain check, typed outcomes, provenance, wall time.
 
@@ -72,40 +71,48 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
     convergence and states outside the domain come back as responses with that outcome, not as
     exceptions.
     """
-    started = time.perf_counter()
-    if scenario.KIND not in model.answers:
-        response = refused_response(
-            [finding("kind", name=model.name, answers=", ".join(model.answers), kind=scenario.KIND)]
-        )
+    with linear_algebra().limit(limits=1):
+        started = time.perf_counter()
+        if scenario.KIND not in model.answers:
+            response = refused_response(
+                [
+                    finding(
+                        "kind",
+                        name=model.name,
+                        answers=", ".join(model.answers),
+                        kind=scenario.KIND,
+                    )
+                ]
+            )
+            return _signed(response, model, scenario, started)
+        warnings: list[Finding] = []
+        refusals: list[Finding] = []
+        solved, factor, left_out = with_strain_rate(model, scenario)
+        for each in (*model.domain(scenario), *implausible(scenario), *left_out):
+            (refusals if each.refusal else warnings).append(each)
+        striker = getattr(scenario, "striker", None)
+        crushing = striker if striker is not None and striker.crushes else None
+        if crushing is not None and not getattr(model, "crushing", False):
+            refusals.append(finding("rigid-striker-alone", name=model.name))
+        if refusals:
+            response = refused_response(refusals)
+        else:
+            try:
+                response = solve(solved)
+                if crushing is not None:
+                    response = crushed(response, crushing)
+                check_response(response)
+            except CollapseError as error:
+                response = collapsed_response(error)
+            except SolverError as error:
+                response = failed_response(Outcome.NOT_CONVERGED, str(error))
+            except OutOfDomainError as error:
+                response = refused_response([Finding("domain", str(error), refusal=True)])
+        if warnings:
+            set_findings(response, [*warnings, *findings_of(response)])
+        if factor != 1.0:
+            response.attrs["rate_factor"] = factor
         return _signed(response, model, scenario, started)
-    warnings: list[Finding] = []
-    refusals: list[Finding] = []
-    solved, factor, left_out = with_strain_rate(model, scenario)
-    for each in (*model.domain(scenario), *implausible(scenario), *left_out):
-        (refusals if each.refusal else warnings).append(each)
-    striker = getattr(scenario, "striker", None)
-    crushing = striker if striker is not None and striker.crushes else None
-    if crushing is not None and not getattr(model, "crushing", False):
-        refusals.append(finding("rigid-striker-alone", name=model.name))
-    if refusals:
-        response = refused_response(refusals)
-    else:
-        try:
-            response = solve(solved)
-            if crushing is not None:
-                response = crushed(response, crushing)
-            check_response(response)
-        except CollapseError as error:
-            response = collapsed_response(error)
-        except SolverError as error:
-            response = failed_response(Outcome.NOT_CONVERGED, str(error))
-        except OutOfDomainError as error:
-            response = refused_response([Finding("domain", str(error), refusal=True)])
-    if warnings:
-        set_findings(response, [*warnings, *findings_of(response)])
-    if factor != 1.0:
-        response.attrs["rate_factor"] = factor
-    return _signed(response, model, scenario, started)
 
 
 def crushed(response: Response, striker: Striker) -> Response:

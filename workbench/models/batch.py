@@ -23,7 +23,7 @@ import pandas as pd
 
 from workbench.arrays import Array, Indices
 from workbench.errors import CollapseError, InputError
-from workbench.frames.elastic import one_thread
+from workbench.frames.elastic import linear_algebra
 from workbench.models.base import Model, on_one_mesh
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import SCALARS, Outcome, failure_message, outcome_of, scalars_of
@@ -79,7 +79,7 @@ def simulate_many(
 
     left: list[Indices] = []
     parts, at_once = _parts(alone, scenarios, left), hasattr(alone, "numbers")
-    with one_thread(), _pool(threads or _cores()) as pool:
+    with linear_algebra().limit(limits=1), _pool(threads or _cores()) as pool:
         for rows, answers in pool.map(stacked, parts):
             left.append(rows[answers.codes == UNKNOWN])
             for name, values in answers.scalars.items():

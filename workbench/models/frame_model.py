@@ -12,7 +12,7 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.errors import OutOfDomainError, SolverError
 from workbench.fields import Declared
-from workbench.frames.elastic import Spans, one_thread
+from workbench.frames.elastic import Spans, linear_algebra
 from workbench.frames.record import Record
 from workbench.frames.runs import OPEN_LEDGER, run_driven, run_impact, run_static
 from workbench.frames.structure import FrameStructure
@@ -133,7 +133,7 @@ class FrameModel(ABC, Declared, table="option"):
         if isinstance(scenario, FrameImpact):
             kept, key = scenario.frame.kept, f"findings at {scenario.striker.node}"
         if key not in kept:
-            with one_thread():
+            with linear_algebra().limit(limits=1):
                 kept[key] = member_findings(scenario)
         return list(kept[key])
 
