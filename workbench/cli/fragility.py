@@ -98,11 +98,7 @@ def fragility(
         if VELOCITY in uncertain.names:
             text = "is what the probability is given over: it cannot be uncertain itself"
             raise InputError(VELOCITY, "a distribution", text, "write a number")
-        base: Any = uncertain.base
-        if not hasattr(base, "at_velocity"):
-            text = "has no impact velocity"
-            raise InputError("kind", base.KIND, text, "take column-impact or frame-impact")
-        pair = pair_of(base.at_velocity(ends[1]), model, reference)
+        pair = pair_of(struck(uncertain.base).at_velocity(ends[1]), model, reference)
         reduced, governing = (make_model(name) for name in pair)
         setups[value] = Setup(
             *(uncertain, reduced, governing, exceeded, ends, samples, seed, references, seconds),
@@ -223,6 +219,14 @@ def _range(text: str) -> tuple[float, float]:
     if not first < last:
         raise InputError("--over", text, "must rise from the first to the last velocity")
     return first, last
+
+
+def struck(scenario: Any) -> Any:
+    """The same scenario, which must have an impact velocity."""
+    if not hasattr(scenario, "at_velocity"):
+        text = "has no impact velocity"
+        raise InputError("kind", scenario.KIND, text, "take column-impact or frame-impact")
+    return scenario
 
 
 def pair_of(scenario: Any, model: str | None, reference: str | None) -> tuple[str, str]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.fragility import pair_of
+from workbench.cli.fragility import pair_of, struck
 from workbench.cli.output import (
     ENDINGS,
     Answer,
@@ -255,16 +255,13 @@ def rare(
     Number(0.01, 1.0).check("--cov", cov)
     Number(2000, MOST, integer=True).check("--runs", runs)
     exceeded, uncertain = limit_of(limit), _uncertain(scenario, settings, seed)
-    base: Any = uncertain.base
-    if not hasattr(base, "at_velocity"):
-        text = "has no impact velocity"
-        raise InputError("kind", base.KIND, text, "take column-impact or frame-impact")
+    base = struck(uncertain.base)
     name = model or pair_of(base, None, "")[0]
     chosen, workers = make_model(name, pairs_of("--option", options)), processes(jobs)
     with at_work(f"{name} at work"), Processes(workers) as run:
-        struck = Struck(uncertain, chosen, exceeded, run, workers)
+        structure = Struck(uncertain, chosen, exceeded, run, workers)
         random = np.random.default_rng(seed)
-        result = rare_probability(struck, len(uncertain.inputs), random, cov, runs)
+        result = rare_probability(structure, len(uncertain.inputs), random, cov, runs)
     at = [values.tolist() for values in uncertain.values(result.points).values()]
     medians = (each.middle for each in uncertain.inputs.values())
     rows = [
