@@ -27,10 +27,11 @@ class Bias:
 def bias_and_scatter(model: ArrayLike, data: ArrayLike) -> Bias:
     """Bias factor and model scatter as the FDS validation guide defines them.
 
-    Arguments: positive `model` and `data` values (n,), the data without a scatter of their own.
+    Arguments: `model` and `data` values (n,) of the same sign, the data without a scatter of their
+    own.
     With the log ratios' mean and standard deviation u, the bias is exp(mean + u^2/2). The
     interval is Cox's for the mean of a lognormal quantity, with Student quantiles.
-    Raises `InputError` for values that are not positive or not in pairs.
+    Raises `InputError` for values of different signs, zeros, and values not in pairs.
     """
     from scipy.stats import t as student
 
@@ -50,8 +51,8 @@ def _log_ratio(model: ArrayLike, data: ArrayLike) -> Array:
     if values.shape != references.shape or values.ndim != 1 or len(values) == 0:
         shapes = values.shape, references.shape
         raise InputError("model, data", shapes, "must be pairs, one or more")
-    both = np.concatenate([values, references])
-    if not (np.all(np.isfinite(both)) and np.all(both > 0.0)):
-        raise InputError("model, data", both.min(), "must be positive")
-    ratio: Array = np.log(values / references)
-    return ratio
+    ratio = values / np.where(references == 0.0, np.nan, references)
+    if not (np.all(np.isfinite(ratio)) and np.all(ratio > 0.0)):
+        raise InputError("model, data", ratio.min(), "must be finite and of one sign in each pair")
+    logarithm: Array = np.log(ratio)
+    return logarithm

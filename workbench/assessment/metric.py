@@ -240,13 +240,13 @@ def difference(pair: Pair) -> float:
     ),
 )
 def relative_error(pair: Pair) -> float:
-    """(value - reference) / |reference|.
+    """(value - reference) / reference.
 
-    Raises `InputError` if the reference is zero.
+    Positive where the magnitude is too large. Raises `InputError` if the reference is zero.
     """
     if pair.reference == 0.0:
         raise InputError(pair.quantity, 0.0, "of the reference must not be zero", "use difference")
-    return (pair.value - pair.reference) / abs(pair.reference)
+    return (pair.value - pair.reference) / pair.reference
 
 
 @metric(
@@ -259,10 +259,10 @@ def relative_error(pair: Pair) -> float:
 def log_ratio(pair: Pair) -> float:
     """ln(value / reference).
 
-    Symmetric between too high and too low. Raises `InputError` unless both are positive.
+    Symmetric between too high and too low. Raises `InputError` unless both have one sign.
     """
-    if pair.value <= 0.0 or pair.reference <= 0.0:
-        raise InputError(pair.quantity, pair[:2], "must be positive on both sides")
+    if pair.value * pair.reference <= 0.0:
+        raise InputError(pair.quantity, pair[:2], "must have one sign on both sides")
     return float(np.log(pair.value / pair.reference))
 
 

@@ -238,7 +238,7 @@ def _lines(answer: dict[str, Any]) -> Iterator[tuple[str, str]]:
         error = energies["relative_balance_error"]
         yield "largest energy error over the input energy", f"{error:.1e}"
     if answer.get("force"):
-        yield "largest force", in_unit(max(answer["force"]), "force")
+        yield "largest force", in_unit(max(answer["force"], key=abs), "force")
         yield from _points(answer, widths)
         yield "points of the curve", str(len(answer["force"]))
     yield from _struck(answer)

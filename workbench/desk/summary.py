@@ -25,6 +25,7 @@ from workbench.responses import (
     scalars_of,
     survives,
 )
+from workbench.responses.histories import largest_of
 from workbench.responses.variables import INTEGRATORS, STUD_TESTS
 from workbench.scenarios import FrameImpact, Scenario
 from workbench.scenarios.traffic import LIGHTEST
@@ -47,7 +48,8 @@ def headline(response: Response) -> str:
     if PEAK in values:
         parts.insert(0, f"{in_unit(values[PEAK], PEAK, 3)}{_interval(values[PEAK], error)}")
     elif "force" in response:
-        parts.insert(0, f"largest force {in_unit(float(response['force'].max()), 'force', 3)}")
+        force = largest_of(response["force"].to_numpy())
+        parts.insert(0, f"largest force {in_unit(force, 'force', 3)}")
     elif values:
         name, value = next(iter(values.items()))
         parts.insert(0, f"{VARIABLES[name].long_name} {in_unit(value, name, 3)}")
@@ -75,7 +77,8 @@ def _interval(peak: float, error: ExpectedError) -> str:
     if error.low is None or error.high is None:
         return ""
     factor = unit_of(PEAK).factor
-    least, most = (number(peak / (1.0 + share) * factor, 3) for share in (error.high, error.low))
+    ends = sorted(peak / (1.0 + share) * factor for share in (error.high, error.low))
+    least, most = (number(end, 3) for end in ends)
     middle = ""
     if error.expected is not None and not error.low <= 0.0 <= error.high:
         middle = f"; expected {number(peak / (1.0 + error.expected) * factor, 3)}"

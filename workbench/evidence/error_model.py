@@ -105,7 +105,10 @@ def anchor_error(scenario: Any) -> ExpectedError:
 
 
 def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> ExpectedError:
-    """That of the peak of a model's `answer` (m); the `anchor` has this peak (None: run it)."""
+    """That of the peak of a model's `answer` (m); the `anchor` has this peak (None: run it).
+
+    Magnitudes are compared.
+    """
     table = table_of(scenario)
     if table is None:
         return ExpectedError(ANCHOR, reason=f"errors of {scenario.KIND} were not measured")
@@ -113,13 +116,13 @@ def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> Exp
     known = ExpectedError(table.anchor, reason=ratio.reason)
     if ratio.reason:
         return known
-    anchor = anchor_peak(scenario) if anchor is None else anchor
+    anchor, answer = abs(anchor_peak(scenario) if anchor is None else anchor), abs(answer)
     if isnan(answer) or isnan(anchor):
         whose = "the answer" if isnan(answer) else "the anchor"
         return replace(known, reason=f"{whose} has no peak displacement")
     known = replace(known, cell=ratio.cell, count=len(ratio.values))
     fallen = table.collapses(isinf(anchor))
-    near = not isinf(anchor) and anchor_peak(_faster(scenario)) > (1.0 + table.grows) * anchor
+    near = not isinf(anchor) and abs(anchor_peak(_faster(scenario))) > (1.0 + table.grows) * anchor
     known = replace(known, collapse=fallen, near_collapse=near)
     if isinf(answer) or isinf(anchor):
         reason = "the anchor collapses" if isinf(anchor) else "the anchor survives"
@@ -236,7 +239,7 @@ def reached(response: Response) -> tuple[float, float]:
     if not alive:
         return nan if alive is None else inf, nan
     peak, residual = (float(response.get(name, nan)) for name in (PEAK, RESIDUAL))
-    return peak if peak > 0.0 else nan, residual
+    return peak if peak != 0.0 else nan, residual
 
 
 def _is_anchor(response: Response, anchor: str) -> bool:

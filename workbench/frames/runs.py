@@ -21,7 +21,14 @@ from workbench.responses import (
     energy_error,
     finding,
 )
-from workbench.responses.histories import implied, open_share, residual_over, still_grows
+from workbench.responses.histories import (
+    implied,
+    largest_of,
+    open_share,
+    peak_of,
+    residual_over,
+    unloaded,
+)
 from workbench.scenarios import (
     FrameGroundMotion,
     FrameImpact,
@@ -86,7 +93,8 @@ def measure_impact(
 def _struck(record: Record, scenario: FrameImpact) -> tuple[dict[str, Any], list[Finding]]:
     """What the scalars of an impact follow from, and what is said of the residual displacement."""
     striker, impulses = scenario.striker, record.history(0.0, "impulse")
-    residual, warnings = _residual(record, scenario, striker.node, striker.direction, impulses)
+    push = {"percussion": impulses}
+    residual, warnings = _residual(record, scenario, striker.node, striker.direction, push)
     values = {
         **residual,
         **record.columns("displacement", "elastic"),
@@ -127,7 +135,7 @@ def run_static(
         "input_energy": np.max(np.abs(work - record.column("dead_work"))),
     }
     if leads:  # the displacement is an answer
-        values["peak_displacement"] = np.max(np.abs(values["displacement"]))
+        values["peak_displacement"] = largest_of(values["displacement"])
     return _response(record, scenario, values, _gone_far(record, imposed=not leads))
 
 
@@ -157,28 +165,37 @@ def run_driven(
     warnings = _softened(record)
     if isinstance(scenario, FramePulse):
         load = values["load"] = scenario.pulse.force(record.column("at")) * whole
-        residual, of_it = _residual(record, scenario, scenario.node, scenario.direction, load)
+        push = {"load": load}
+        residual, of_it = _residual(record, scenario, scenario.node, scenario.direction, push)
         values, warnings = values | residual, of_it + warnings
     return _timed_response(record, scenario, values, warnings, OPEN_LEDGER)
 
 
 def _residual(
-    record: Record, scenario: FrameImpact | FramePulse, node: str, direction: str, push: Array
+    record: Record,
+    scenario: FrameImpact | FramePulse,
+    node: str,
+    direction: str,
+    push: dict[str, Array],
 ) -> tuple[dict[str, Any], list[Finding]]:
     """The residual displacement of a frame, whose sway is slow; of a column see `histories`.
 
-    All that leaves something has happened once the `push` (steps,) and the plastic work are over.
+    All that leaves something has happened once the `push` (steps,), by the name of its variable,
+    and the plastic work are over; there is none where it stays.
     """
     time, moved, spent = record.column("at"), record.column("displacement"), record.dissipated
-    if record.structure.is_column or still_grows(moved):
+    if record.structure.is_column or not peak_of(time, moved):
         return {}, []
+    begin = unloaded(push)
+    if begin is None:
+        return {"residual_displacement": None}, []
     period = slowest_period(scenario.frame, node, direction)
-    sums = [np.cumsum(np.abs(push))]
+    sums = [np.cumsum(np.abs(each)) for each in push.values()]
     if spent[-1] > YIELDED * (record.column("elastic").max() + spent[-1]):
         sums.append(spent)
     shares = zip(sums, OVER, strict=False)
-    start = max(float(time[np.argmax(each >= share * each[-1])]) for each, share in shares)
-    residual, warnings = residual_over(time, moved, start, period)
+    starts = (float(time[np.argmax(each >= share * each[-1])]) for each, share in shares)
+    residual, warnings = residual_over(time, moved, max(float(time[begin]), *starts), period)
     return {"residual_displacement": residual}, warnings
 
 
@@ -251,7 +268,7 @@ def _impact_accuracy(record: Record, input_energy: float) -> list[Finding]:
     """Findings on the time steps up to the peak and their damping; `input_energy` in J."""
     findings = []
     displacement, algorithmic = record.column("displacement"), record.total("energies.algorithmic")
-    top = int(np.argmax(displacement))
+    top = int(np.argmax(np.abs(displacement)))
     if top < min(LEAST_STEPS_TO_PEAK, len(displacement) - 1):
         findings.append(finding("few-steps-to-peak", top))
     damped = float(algorithmic[top] / input_energy)

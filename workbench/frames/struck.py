@@ -14,6 +14,7 @@ from workbench.frames import collapse
 from workbench.frames.record import Record, Snapshots
 from workbench.frames.structure import FrameStructure
 from workbench.impact.pace import NEARLY, Pace, late_peak
+from workbench.responses.kernels import side_of
 from workbench.scenarios import FrameImpact
 from workbench.structures.paths import PathStep
 from workbench.structures.superelements import Superelements, SuperelementState
@@ -145,8 +146,10 @@ def strike(
         steps = follow_impact(view.assembly, dof, mass, pace, record.limits, sign=sign, calm=calm)
         answered = answer(scenario, record, timed(steps), largest_error)
         time, moved, speed = map(record.column, ("at", "displacement", "velocity"))
-        late = late_peak(pace, calm, time, moved, speed, record.history(0.0, "impulse"))
-        highest = float(moved.max())
+        side = side_of(time, moved)
+        push = record.history(0.0, "impulse")
+        late = late_peak(pace, calm, time, side * moved, side * speed, push)
+        highest = float(np.abs(moved).max())
         gone = highest < NEARLY * before  # what small steps looked for: it may come yet later
         if calm >= pace.duration or not (late or gone):
             return answered

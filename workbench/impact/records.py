@@ -11,7 +11,7 @@ from workbench.errors import SolverError
 from workbench.impact.crushing import CRUSH, UNLOADING
 from workbench.impact.integrator import COLLAPSE, NO_CONVERGENCE, PROGRESS, TOO_MANY
 from workbench.impact.pace import PIECES, Pace
-from workbench.responses.kernels import first_peak
+from workbench.responses.kernels import first_peak, signed_peak
 from workbench.scenarios import Striker
 
 RECORDS = 40, 20_000  # of a period in which a striker is crushed, of a whole record at most
@@ -32,6 +32,8 @@ class Run(NamedTuple):
     def peak(self, bounces: bool = False) -> dict[str, float]:
         """Largest displacement at which the hit point stood still, and when; empty without one.
 
+        Of one that swings back farther, as far as that, with its sign.
+
         With `bounces` the column may come as far again: then the time is that of the first peak.
         """
         peak, when = standstill(self.records, self.progress, bounces)
@@ -42,8 +44,11 @@ class Run(NamedTuple):
 def standstill(records, progress, bounces):
     """Peak (m) of an impact and its time (s), see `Run.peak`; NaN without one."""
     time, v = records["time"], records["displacement"]
-    if np.argmax(v) == v.size - 1 or not progress.peak > 0.0:
+    largest, at, grows = signed_peak(time, v)
+    if grows or not progress.peak > 0.0:
         return np.nan, np.nan
+    if largest < 0.0:
+        return largest, at
     when = progress.time_of_peak
     if bounces:
         first = first_peak(time, v)[1]

@@ -43,8 +43,8 @@ from workbench.models.resistance.shapes import curve_of
 from workbench.models.single_dof import march as one_mass
 from workbench.models.single_dof.spring import spring_moved
 from workbench.responses import Finding, Response, build_response, energy_error, finding
-from workbench.responses.histories import FORCE_WINDOW, open_share, still_grows, unbalanced
-from workbench.responses.kernels import first_peak, largest_window
+from workbench.responses.histories import FORCE_WINDOW, open_share, unbalanced
+from workbench.responses.kernels import largest_window, signed_peak
 from workbench.scenarios import ColumnImpact, ColumnScenario
 from workbench.scenarios.traffic import VEHICLE_STIFFNESS
 from workbench.scenarios.varied import spread, take
@@ -150,8 +150,9 @@ def read(records, given, numbers):
         numbers[2] = np.nan
     else:
         numbers[2] = records["plastic"][-1]
-        if np.argmax(v) < v.size - 1:
-            numbers[0], numbers[1] = first_peak(time, v)
+        largest, when, grows = signed_peak(time, v)
+        if not grows:
+            numbers[0], numbers[1] = largest, when
     numbers[3] = largest_window(time[1:], percussion[1:], FORCE_WINDOW) / FORCE_WINDOW
     numbers[4] = percussion.sum()
     balance = np.empty(records.size)
@@ -309,7 +310,7 @@ class SoftImpact(OnCurve):
             warnings += shear_warnings(column, dict(zip(columns.SEGMENTS, shear, strict=True)))
         if records["percussion"][-1] > 0.0 and records["striker_velocity"][-1] > 0.0:
             values |= dict.fromkeys(("peak_displacement", "time_of_peak", "residual_displacement"))
-            if not still_grows(records["displacement"]):
+            if not signed_peak(records["time"], records["displacement"])[2]:
                 longer = float(np.pi * np.sqrt(striker.mass / loading))
                 warnings.append(finding("still-pushing", duration=scenario.duration, longer=longer))
         response = build_response(values, time=time, segments=columns.SEGMENTS, warnings=warnings)

@@ -25,6 +25,7 @@ EXTREMES = {
     "largest_compression": ("axial_force", (-1,)),
     "largest_tension": ("axial_force", (1,)),
 }
+GONE = 0.01  # of the largest load of a pulse: what is left of it then leaves nothing more
 FORCE_WINDOW = 1e-3  # s; contact forces of nonsmooth models are means over this window
 
 
@@ -35,7 +36,7 @@ def implied(
 
     A displacement over `time` (s; None: load steps) implies its peak; with the percussion of a
     striker also the residual displacement, impulse and contact force, with the load of a pulse the
-    residual displacement; energies imply how far
+    residual displacement, both where the push is over (see `unloaded`); energies imply how far
     their balance is open. What takes time to find is left out where the values give it.
     """
     given: dict[str, Array] = {}
@@ -51,7 +52,9 @@ def implied(
         peak = peak_of(time, displacement)
         derived |= peak
         if hit and peak and "residual_displacement" not in values:
-            derived["residual_displacement"] = residual_of(time, displacement)
+            begin = unloaded(given)
+            if begin is not None:
+                derived["residual_displacement"] = residual_of(time, displacement, begin)
         elif hit and not peak:
             findings.append(finding("still-growing", time=time[-1]))
     if time is not None and blow:
@@ -107,37 +110,51 @@ def open_share(balance: Array, given: float, stored: float) -> float:
     return float(np.abs(balance).max()) / max(given, _ROUNDED * stored)
 
 
-def still_grows(displacement: Array) -> bool:
-    """Whether the displacement is largest at the end of the record: then it shows no peak."""
-    return int(displacement.argmax()) == len(displacement) - 1
+def largest_of(history: Array) -> float:
+    """The value of largest magnitude of a history, with its sign."""
+    return float(history[np.argmax(np.abs(history))])
 
 
 def peak_of(time: Array, displacement: Array) -> dict[str, float]:
     """Peak and its time from a history by the parabola through its three highest points.
 
-    The time is that of the first peak within 0.5 % of the largest, which rounding and the length of
-    the record choose among the cycles of an undamped vibration. Empty where it `still_grows`.
+    The peak is the value of largest magnitude, with its sign. The time is that of the first peak
+    within 0.5 % of it, either way, which rounding and the length of the record choose among the
+    cycles of an undamped vibration. Empty where the last value is the largest: it still grows.
     Raises `WorkbenchError` where times do not increase around it.
     """
-    if still_grows(displacement):
-        return {}
-    from workbench.responses.kernels import first_peak  # readers of responses need no compiler
+    from workbench.responses.kernels import signed_peak  # readers of responses need no compiler
 
-    largest, at = first_peak(time, displacement)
+    largest, at, grows = signed_peak(time, displacement)
+    if grows:
+        return {}
     if isnan(at):
         raise WorkbenchError("response time does not increase")
     return {"peak_displacement": float(largest), "time_of_peak": float(at)}
 
 
-def residual_of(time: Array, displacement: Array) -> float | None:
+def unloaded(values: Mapping[str, Array]) -> int | None:
+    """Row from which on nothing pushes; None: the record ends under load, or the load stays.
+
+    A striker must not push in the last step, a pulse be down to `GONE` of its largest load.
+    """
+    if "percussion" in values:
+        return None if values["percussion"][-1] > 0.0 else 0
+    load = np.abs(values["load"])
+    row = int(np.flatnonzero(load >= GONE * load.max())[-1]) + 1
+    return row if row < len(load) else None
+
+
+def residual_of(time: Array, displacement: Array, begin: int = 0) -> float | None:
     """Permanent displacement: mean over the whole cycles of free vibration after the peak.
 
-    A cycle runs between two upward crossings of the mid-level of the record after its first
-    minimum behind the peak. None if the record holds no whole cycle: run longer.
+    A cycle runs between two crossings, towards the peak, of the mid-level of the record after its
+    first turn behind the peak, and behind the row `begin`. None if the record holds no whole cycle:
+    run longer.
     """
     from workbench.responses.kernels import mean_of_cycles  # readers of responses need no compiler
 
-    mean = mean_of_cycles(time, displacement)
+    mean = mean_of_cycles(time, displacement, begin)
     return None if isnan(mean) else float(mean)
 
 

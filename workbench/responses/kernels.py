@@ -24,14 +24,16 @@ def apex(time, displacement, top):
 
 @njit(cache=True, error_model="numpy")
 def first_peak(time, displacement):
-    """Peak of a history, and the time of the first one that is as high; see `peak_of`.
+    """Peak of a history upwards, and the time of the first one that is as high; see `peak_of`.
 
-    The largest displacement is not the last one. The time is NaN where times do not increase.
+    The time is NaN where times do not increase.
     """
     top = np.argmax(displacement)
     if top == 0:
         return displacement[0], time[0]
-    largest, at = apex(time, displacement, top)
+    largest, at = displacement[top], time[top]
+    if top < displacement.size - 1:
+        largest, at = apex(time, displacement, top)
     for i in range(1, top):
         before, here, after = displacement[i - 1], displacement[i], displacement[i + 1]
         if here > before and here >= after and here >= _SAMPLED * largest:
@@ -42,12 +44,37 @@ def first_peak(time, displacement):
 
 
 @njit(cache=True, error_model="numpy")
-def mean_of_cycles(time, displacement):
-    """Mean over the whole cycles after the peak, between upward crossings of the mid-level.
+def side_of(time, displacement):
+    """Sign, 1 or -1, of the value of largest magnitude; of two as large that of the first one."""
+    high, first = first_peak(time, displacement)
+    low, other = first_peak(time, -displacement)
+    if min(high, low) < _EQUAL * max(high, low):
+        return 1.0 if high > low else -1.0
+    return -1.0 if other < first else 1.0
 
-    That is of the record after its first minimum behind the peak. NaN if there is no whole cycle.
+
+@njit(cache=True, error_model="numpy")
+def signed_peak(time, displacement):
+    """Value of largest magnitude with its sign, the time of the first one; see `peak_of`.
+
+    And whether the last value is the largest: then the record shows no peak, it still grows.
     """
-    last, start = displacement.size - 1, np.argmax(displacement)
+    side = side_of(time, displacement)
+    upward = side * displacement
+    largest, at = first_peak(time, upward)
+    return side * largest, at, np.argmax(upward) == displacement.size - 1
+
+
+@njit(cache=True, error_model="numpy")
+def mean_of_cycles(time, displacement, begin=0):
+    """Mean over the whole cycles after the peak, between crossings of the mid-level towards it.
+
+    That is of the record after its first turn behind the peak, and behind the row `begin`. NaN if
+    there is no whole cycle.
+    """
+    side, last = side_of(time, displacement), displacement.size - 1
+    displacement = side * displacement
+    start = max(np.argmax(displacement), begin)
     while start < last and not displacement[start + 1] > displacement[start]:
         start += 1
     high = low = displacement[start]
@@ -67,7 +94,7 @@ def mean_of_cycles(time, displacement):
             count += 1
         if count > 0:
             area += full
-    return whole / (final - first) if count > 1 else np.nan
+    return side * whole / (final - first) if count > 1 else np.nan
 
 
 @njit(cache=True, error_model="numpy")

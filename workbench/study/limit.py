@@ -15,7 +15,7 @@ from typing import Any
 from workbench.evidence.advice import CLOSE, advise
 from workbench.models.base import Model, on_one_mesh
 from workbench.responses import Outcome, Response, collapse_of, outcome_of, survives, warnings_of
-from workbench.responses.histories import NO_PEAK
+from workbench.responses.histories import NO_PEAK, largest_of
 from workbench.scenarios import Scenario
 from workbench.scenarios.column import DURATION
 
@@ -219,7 +219,7 @@ def _peak(model: Model, scenario: Any, displacement: float) -> float | str:
             return str(response.attrs["message"])
         if outcome is Outcome.COLLAPSE:
             return True
-        return float(response["displacement"].max()) >= displacement
+        return abs(largest_of(response["displacement"].values)) >= displacement
 
     low = high = scenario.pulse.peak
     first = reached = reaches(high)

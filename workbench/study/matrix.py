@@ -64,7 +64,7 @@ def governing_references(tables: Tables) -> pd.DataFrame:
 def against_governing(tables: Tables) -> pd.DataFrame:
     """Relative errors against the governing reference, by (case, model, quantity).
 
-    Column `telling`: the ratio says something. Both numbers are positive, and a residual
+    Column `telling`: the ratio says something. Both numbers have one sign, and a residual
     displacement is no small part of the peak.
     """
     compared = tables["comparisons"]
@@ -72,9 +72,11 @@ def against_governing(tables: Tables) -> pd.DataFrame:
     compared = compared[(compared["metric"] == "relative_error") & (compared["against"] == label)]
     peaks = compared[compared["quantity"] == PEAK].set_index(["case", "model"])["against_value"]
     pairs = compared.join(peaks.rename("peak"), on=["case", "model"])
-    remains = (pairs["quantity"] != RESIDUAL) | (pairs["against_value"] >= REMAINS * pairs["peak"])
-    positive = pairs[["value", "against_value"]].min(axis=1) > 0.0
-    return pairs.assign(telling=positive & remains).set_index(["case", "model", "quantity"])
+    remains = (pairs["quantity"] != RESIDUAL) | (
+        pairs["against_value"].abs() >= REMAINS * pairs["peak"].abs()
+    )
+    alike = pairs["value"] * pairs["against_value"] > 0.0
+    return pairs.assign(telling=alike & remains).set_index(["case", "model", "quantity"])
 
 
 def errors_of(study: Study, tables: Tables) -> pd.DataFrame:
@@ -88,7 +90,7 @@ def errors_of(study: Study, tables: Tables) -> pd.DataFrame:
     doubted = governing.set_index("label", append=True).index.isin(doubtful)
     governing = governing[(governing["inside"] == 1) & ~doubted]
     pairs = against_governing(tables).reset_index()
-    pairs = pairs[(pairs["quantity"] == PEAK) & (pairs["against_value"] > 0.0)]
+    pairs = pairs[(pairs["quantity"] == PEAK) & (pairs["against_value"] != 0.0)]
     ratios = pairs.assign(ratio=pairs["value"] / pairs["against_value"])
     outcomes = tables["cells"].pivot_table("outcome", "case", "label", aggfunc="first")
     labels = [label for label in study.models if label in outcomes and label not in study.ranked]
@@ -212,7 +214,7 @@ def bias_rows(study: Study, tables: Tables) -> Iterator[Row]:
     """Bias and scatter of every model against the reference over the cases, per quantity."""
     compared = tables["comparisons"]
     chosen = (compared["against"] == study.reference) & (compared["metric"] == "relative_error")
-    compared = compared[chosen & (compared[["value", "against_value"]].min(axis=1) > 0.0)]
+    compared = compared[chosen & (compared["value"] * compared["against_value"] > 0.0)]
     for (model, quantity), pairs in compared.groupby(["model", "quantity"], sort=False):
         if len(pairs) >= _FEWEST_FOR_BIAS:
             row = {"model": model, "against": study.reference, "quantity": quantity}

@@ -53,7 +53,10 @@ class Root(NamedTuple):
 
 @dataclass(frozen=True)
 class Asked:
-    """A model at a sample; `peak_at(ln velocity)` is inf for collapse, NaN without an answer."""
+    """A model at a sample; `peak_at(ln velocity)` is inf for collapse, NaN without an answer.
+
+    Of a peak the magnitude counts.
+    """
 
     model: Model
     scenario: Any
@@ -69,7 +72,7 @@ class Asked:
             return inf
         if outcome is not Outcome.OK or PEAK not in response:
             return nan
-        peak = float(response[PEAK])
+        peak = abs(float(response[PEAK]))
         return peak if survives(response) is not None else nan
 
 

@@ -109,7 +109,7 @@ def on_finer_mesh(
     coarse = Asked(on_one_mesh(model), scenario).peak_at(x)
     if outcome_of(response) is not Outcome.OK or not isfinite(coarse):
         return None
-    peak, width = float(response[PEAK]), json.loads(response.attrs[WIDTHS]).get(PEAK)
+    peak, width = abs(float(response[PEAK])), json.loads(response.attrs[WIDTHS]).get(PEAK)
     if width is None:
         return None
     return -log(peak / coarse) / ratio.slope, width / peak / ratio.slope
@@ -175,7 +175,7 @@ class Sampled:
         return self.peaks({**self._values(rows), VELOCITY: np.exp(log_velocity)})
 
     def peaks(self, values: dict[Path_, Array] | None = None, longer: int = 0) -> Array:
-        """Peaks (rows,) in m: infinite for collapse, NaN without an answer.
+        """Magnitudes of peaks (rows,) in m: infinite for collapse, NaN without an answer.
 
         `values` of the inputs by row in place of all samples; a record that ends before its peak is
         made `longer`, as `study.limit.ask` does.
@@ -187,7 +187,7 @@ class Sampled:
         table = answers_by(self.run, self.jobs, self.model, asked, self.like)
         peaks = np.full(count, np.nan)
         if PEAK in table:
-            peaks = table[PEAK].to_numpy(copy=True)
+            peaks = table[PEAK].abs().to_numpy(copy=True)
         peaks[table[OUTCOME] == Outcome.COLLAPSE.value] = np.inf
         undecided = (table[OUTCOME] == Outcome.OK.value).to_numpy() & np.isnan(peaks)
         undecided &= 2.0 * duration <= DURATION.high

@@ -29,7 +29,7 @@ from workbench.models.four_dof.equations import TwoBars, newton, predict
 from workbench.models.four_dof.kinematics import CHORD, RIGID_IN_SHEAR, U1, U2, V
 from workbench.models.four_dof.statics import STATE, WORK
 from workbench.responses.histories import FORCE_WINDOW, open_share, unbalanced
-from workbench.responses.kernels import largest_window, mean_of_cycles
+from workbench.responses.kernels import largest_window, mean_of_cycles, signed_peak
 from workbench.structures.kernels import copy
 
 # bar and place of the hinges from base to head
@@ -290,7 +290,7 @@ def read(column, records, progress, given, bounces, numbers):
     """
     time, v, percussion = records["time"], records["displacement"], records["percussion"]
     numbers[0], numbers[1] = standstill(records, progress, bounces)
-    if not np.isnan(numbers[0]):
+    if not np.isnan(numbers[0]) and not percussion[-1] > 0.0:
         numbers[2] = mean_of_cycles(time, v)
     numbers[3] = largest_window(time[1:], percussion[1:], FORCE_WINDOW) / FORCE_WINDOW
     numbers[4], numbers[5] = percussion.sum(), np.abs(turned(column, records)).max()
@@ -334,8 +334,8 @@ def impacts(columns, q, drives, given, nearly, which, codes, numbers, errors):
         elif status == DONE:
             bounces = drives[i, 10] > 0.0
             errors[i] = read(columns[i], records[:n], progress[0], given[i], bounces, numbers[i])
-            v = records["displacement"][:n]
-            if np.isnan(numbers[i, 0]) and np.argmax(v) < n - 1:
+            time, v = records["time"][:n], records["displacement"][:n]
+            if np.isnan(numbers[i, 0]) and not signed_peak(time, v)[2]:
                 codes[i] = UNKNOWN
         else:
             codes[i] = UNKNOWN

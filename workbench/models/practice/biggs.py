@@ -143,7 +143,7 @@ class Biggs(SingleDof):
             slip = slips(scenario.column, self.direct_shear, time, reaction.values)
             meaning = {"units": "m", "long_name": "slip of the support behind the segment"}
             response["direct_shear.slip"] = (reaction.dims, slip, meaning)
-            warnings = [*findings_of(response), finding("slip", 1e3 * float(slip.max()))]
+            warnings = [*findings_of(response), finding("slip", 1e3 * float(abs(slip).max()))]
             set_findings(response, warnings)
         return response
 
@@ -157,7 +157,10 @@ def dynamic_reactions(
     hit point are those of the resistance. Both bars in equilibrium, vertically and about the
     support, give both reactions, the shear forces beside the hit point and the size of the inertia.
     """
-    furthest = np.maximum.accumulate(displacement)
+    furthest = np.maximum.accumulate(np.abs(displacement))
+    turns = np.append(True, furthest[1:] > furthest[:-1])  # farther than ever, either way
+    last = np.maximum.accumulate(np.where(turns, np.arange(len(force)), 0))
+    side = np.where(displacement[last] < 0.0, -1.0, 1.0)
     now = np.searchsorted([stage.start for stage in stages], furthest, side="right") - 1
     elastic = stages[0].rates
     reactions = np.zeros((2, len(force)))
@@ -166,7 +169,8 @@ def dynamic_reactions(
         base, hit, head = stage.shape.nodes
         reached = stage.load + stage.stiffness * (furthest[here] - stage.start)
         moments = stage.moments + np.outer(reached - stage.load, stage.rates)
-        moments += np.outer(force[here] - reached, elastic)  # what has been taken off since
+        moments += np.outer(side[here] * force[here] - reached, elastic)  # taken off since
+        moments *= side[here, None]
         (below, at_below), (above, at_above) = stage.shape.inertia(0, 1), stage.shape.inertia(1, 2)
         line = 1.0 / (head - base) if uniform else 0.0
         # reactions down, shear forces of the hit point on either bar, inertia; all along the load

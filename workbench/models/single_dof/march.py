@@ -37,7 +37,7 @@ from workbench.models.single_dof.spring import (
     spring_moved,
 )
 from workbench.responses.histories import FORCE_WINDOW
-from workbench.responses.kernels import largest_window
+from workbench.responses.kernels import largest_window, signed_peak
 
 RECORD = np.dtype(
     [
@@ -128,8 +128,8 @@ def write(s, records, n):
 
 @uncounted
 def lost(s):
-    """Whether the displacement of collapse is passed."""
-    return s.states[0].v > s.limit
+    """Whether the displacement of collapse is passed, either way."""
+    return abs(s.states[0].v) > s.limit
 
 
 @uncounted
@@ -333,8 +333,8 @@ def impacts(rows, strikes, codes, results):
             answer = scalars(records[:n], progress[0], pieces, elastic_limit, mass, bounces)
             for k in range(len(answer)):
                 results[i, k] = answer[k]
-            v = records["displacement"][:n]
-            if np.isnan(answer[0]) and np.argmax(v) < n - 1:
+            time, v = records["time"][:n], records["displacement"][:n]
+            if np.isnan(answer[0]) and not signed_peak(time, v)[2]:
                 codes[i] = UNKNOWN
         else:
             codes[i] = UNKNOWN

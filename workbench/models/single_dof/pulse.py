@@ -27,6 +27,7 @@ from workbench.models.resistance import ResistanceCurve, columns
 from workbench.models.single_dof import march
 from workbench.models.single_dof.spring import solve_midpoint
 from workbench.responses import Response, build_response
+from workbench.responses.histories import largest_of, peak_of, unloaded
 from workbench.scenarios import Column, MemberPulse, Pulse
 from workbench.scenarios.pulse import UNIFORM
 
@@ -160,8 +161,8 @@ def push(
         works = records["external_work"]
         values |= {"external_work": works, "input_energy": np.max(np.abs(works))}
     values["load"] = pushed.share * pulse.force(time)
-    if int(np.argmax(records["displacement"])) < steps:  # there is a peak to come back from
-        values["residual_displacement"] = float(records["plastic"][-1])
+    over = unloaded(values) is not None and peak_of(time, records["displacement"])
+    values["residual_displacement"] = float(records["plastic"][-1]) if over else None
     return time, values
 
 
@@ -174,7 +175,7 @@ def pulse_response(
     started = perf_counter()
     time, values = push(pushed, scenario.column, scenario.pulse, scenario.duration)
     solved = perf_counter() - started
-    curve, top = pushed.curve, float(values["displacement"].max())
+    curve, top = pushed.curve, abs(largest_of(values["displacement"]))
     shear, warnings = columns.reached(curve, scenario.column, top)
     values["load"] = scenario.whole * scenario.pulse.force(time)
     if scenario.load != UNIFORM:  # a line load makes shear of its own

@@ -13,7 +13,7 @@ from workbench.models.resistance.kernels import on_curve, unloading_stiffness, w
 
 
 class Spring(NamedTuple):
-    """Displacement `v` and `force`; the largest displacement met on the envelope, and its force.
+    """Displacement `v` and `force`; how far it has been on the envelope, either way, its force there.
 
     Before the first yielding `top` is the elastic limit. Further the unloading `stiffness` there,
     whether the spring has `yielded`, and the energy `dissipated` so far.
@@ -37,12 +37,29 @@ def spring_at_rest(elastic_limit, pieces):
 
 
 @njit(cache=True, error_model="numpy")
+def mirrored(state):
+    """The state with the other sign of displacement and force: the spring is the same both ways."""
+    v, force, top, top_force, stiffness, yielded, dissipated = state
+    return Spring(-v, -force, top, top_force, stiffness, yielded, dissipated)
+
+
+@njit(cache=True, error_model="numpy")
 def spring_path(state, v1, pieces):
     """Force, slope and work of the straight path from the state to v1, which is not taken.
 
     Below the first yielding the spring follows the envelope both ways; later it moves on the
-    unloading line between -F_top and F_top, flows at these two, and rejoins the envelope at v_top.
+    unloading line between -F_top and F_top, flows at these two, and rejoins the envelope at v_top,
+    or at -v_top the mirrored one.
     """
+    if v1 < state.v:
+        force, slope, work = _rise(mirrored(state), -v1, pieces)
+        return -force, slope, work
+    return _rise(state, v1, pieces)
+
+
+@njit(cache=True, error_model="numpy")
+def _rise(state, v1, pieces):
+    """As `spring_path`, to a displacement v1 that is not below that of the state."""
     v0, f0, v_top, f_top, k, yielded, _ = state
     if v1 >= v_top:
         f1, slope = on_curve(pieces, v1)
@@ -51,27 +68,19 @@ def spring_path(state, v1, pieces):
         work = work_between(pieces, a, b) if b >= a else -work_between(pieces, b, a)
         if v1 >= v_top:
             return f1, slope, work + work_between(pieces, v_top, v1)
-        if v1 < -v_top:
-            return -f_top, 0.0, work - f_top * (v1 + v_top)
         f1, slope = on_curve(pieces, b)
         return (f1 if v1 >= 0.0 else -f1), slope, work
-    if v1 >= v0:
-        if v0 == v_top:
-            return f1, slope, work_between(pieces, v0, v1)
-        bend = min(v0 + max(f_top - f0, 0.0) / k, v_top)  # back at F_top
-        if v1 <= bend and v1 < v_top:
-            f1 = f0 + k * (v1 - v0)
-            return f1, k, 0.5 * (f0 + f1) * (v1 - v0)
-        work = 0.5 * (f0 + f_top) * (bend - v0)
-        if v1 < v_top:
-            return f_top, 0.0, work + f_top * (v1 - bend)
-        work += f_top * (v_top - bend)
-        return f1, slope, work + work_between(pieces, v_top, v1)
-    bend = v0 - (f0 + f_top) / k  # at -F_top
-    if v1 >= bend:
+    if v0 == v_top:
+        return f1, slope, work_between(pieces, v0, v1)
+    bend = min(v0 + max(f_top - f0, 0.0) / k, v_top)  # back at F_top
+    if v1 <= bend and v1 < v_top:
         f1 = f0 + k * (v1 - v0)
         return f1, k, 0.5 * (f0 + f1) * (v1 - v0)
-    return -f_top, 0.0, 0.5 * (f0 - f_top) * (bend - v0) - f_top * (v1 - bend)
+    work = 0.5 * (f0 + f_top) * (bend - v0)
+    if v1 < v_top:
+        return f_top, 0.0, work + f_top * (v1 - bend)
+    work += f_top * (v_top - bend)
+    return f1, slope, work + work_between(pieces, v_top, v1)
 
 
 @njit(cache=True, error_model="numpy")
@@ -85,19 +94,23 @@ def spring_energy(state, pieces):
 @njit(cache=True, error_model="numpy")
 def spring_moved(state, v1, pieces):
     """State after the straight path to v1: force, top, unloading stiffness, dissipation."""
+    if v1 < state.v:
+        return mirrored(_risen(mirrored(state), -v1, pieces))
+    return _risen(state, v1, pieces)
+
+
+@njit(cache=True, error_model="numpy")
+def _risen(state, v1, pieces):
+    """As `spring_moved`, to a displacement v1 that is not below that of the state."""
     v0, f0, v_top, f_top, k, yielded, dissipated = state
     if unloads(state, v1):
         return Spring(v1, f0 + k * (v1 - v0), v_top, f_top, k, True, dissipated)
-    f1 = spring_path(state, v1, pieces)[0]
+    f1 = _rise(state, v1, pieces)[0]
     if not yielded:
-        if abs(v1) <= v_top:
+        if v1 <= v_top:
             return Spring(v1, f1, v_top, f_top, k, False, dissipated)
         # elastic energy of the curve gives way to that of the unloading line
         dissipated += work_between(pieces, 0.0, v_top) - 0.5 * f_top * f_top / k
-        if v1 < 0.0:
-            dissipated += f_top * (-v_top - v1)
-    elif v1 < v0:
-        dissipated += f_top * max(v0 - (f0 + f_top) / k - v1, 0.0)
     elif v0 < v_top:
         dissipated += f_top * max(min(v1, v_top) - (v0 + max(f_top - f0, 0.0) / k), 0.0)
     if v1 <= v_top:
@@ -113,7 +126,7 @@ def unloads(state, v1):
     """Whether the spring stays on its unloading line on the way to v1."""
     v0, f0, v_top, f_top, k, yielded, _ = state
     rise = k * (v1 - v0)
-    return yielded and v0 < v_top and v1 < v_top and -f_top <= f0 + rise <= f_top
+    return yielded and abs(v0) < v_top and abs(v1) < v_top and -f_top <= f0 + rise <= f_top
 
 
 @njit(cache=True, error_model="numpy")
@@ -124,7 +137,7 @@ def solve_midpoint(dt, w0, mass, jump, state, pieces):
     The residual grows with w1 unless the curve softens within the step faster than 2 mass / dt^2.
     """
     v0 = state.v
-    elastic = state.stiffness if state.yielded and state.v < state.top else 0.0
+    elastic = state.stiffness if state.yielded and abs(state.v) < state.top else 0.0
     ahead = jump + dt * (state.force + 0.5 * dt * elastic * w0)  # exact on the unloading line
     w1 = w0 - ahead / (mass + 0.25 * dt * dt * elastic)
     if unloads(state, v0 + 0.5 * dt * (w0 + w1)):
