@@ -204,9 +204,9 @@ class ErrorTable:
         return "the reference itself does not know such a case" if lost > 0.5 else ""
 
     def _against(self, name: str) -> Array:
-        """ln(peak of a model / truth) of all rows, NaN where one has none."""
+        """ln(peak of a model / truth), of magnitudes, of all rows, NaN where one has none."""
         with np.errstate(invalid="ignore", divide="ignore"):
-            ratios = np.log(self.rows[name].to_numpy(float) / self.rows[TRUTH].to_numpy(float))
+            ratios = np.log(np.abs(self.rows[name] / self.rows[TRUTH]).to_numpy(float))
         return np.where(np.isfinite(ratios), ratios, nan)
 
     @cached_property

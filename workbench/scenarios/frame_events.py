@@ -118,7 +118,7 @@ class FrameImpact(Impact, Declared, table="time"):
     duration: float = checked(DURATION, 0.1)
 
     KIND: ClassVar[str] = "frame-impact"
-    READING: ClassVar[int] = 2  # raised when what all models read off their histories changes
+    READING: ClassVar[int] = 3  # raised when what all models read off their histories changes
     STATIC: ClassVar[bool] = False
 
     def check(self) -> None:
@@ -149,7 +149,7 @@ class FrameGroundMotion(Declared, table="ground"):
     )
 
     KIND: ClassVar[str] = "frame-ground-motion"
-    READING: ClassVar[int] = 1  # raised when what all models read off their histories changes
+    READING: ClassVar[int] = 2  # raised when what all models read off their histories changes
     STATIC: ClassVar[bool] = False
 
     def with_masses(self) -> "FrameGroundMotion":
@@ -186,7 +186,7 @@ class FramePulse(Declared, table="pulse"):
     duration: float = checked(DURATION, 0.1, path="time.duration")
 
     KIND: ClassVar[str] = "frame-pulse"
-    READING: ClassVar[int] = 2  # raised when what all models read off their histories changes
+    READING: ClassVar[int] = 3  # raised when what all models read off their histories changes
     STATIC: ClassVar[bool] = False
 
     def check(self) -> None:

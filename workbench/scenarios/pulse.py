@@ -145,7 +145,7 @@ class MemberPulse(Declared, table="time"):
     duration: float = checked(DURATION, 0.1)
 
     KIND: ClassVar[str] = "member-pulse"
-    READING: ClassVar[int] = 1  # raised when what all models read off their histories changes
+    READING: ClassVar[int] = 2  # raised when what all models read off their histories changes
     STATIC: ClassVar[bool] = False
 
     @property

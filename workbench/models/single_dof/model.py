@@ -62,7 +62,7 @@ class SingleDof(OnCurve):
     )
 
     name: ClassVar[str] = "single-dof"
-    version: ClassVar[int] = 12
+    version: ClassVar[int] = 13
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND, MemberPulse.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars with elastic-perfectly plastic hinges; linear N-M yield surface, small "
@@ -72,7 +72,7 @@ class SingleDof(OnCurve):
         "dozen definitions give its published peaks within 0.4 %.",
         "The linear resistance is a choice: the thesis prints neither formula nor number.",
         "Unloading is elastic with the initial stiffness; reverse yielding at the force last "
-        "reached is a convention: the model is meant for one push and its rebound.",
+        "reached is a convention; farther back than it has been forth it meets the same curve.",
         "At most one third of the column's mass acts at the hit point, under a pulse that of the "
         "deflected shape; a head mass is left out.",
         "No shear yielding but with resistance = panel, the static curve of "

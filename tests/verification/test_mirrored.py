@@ -1,0 +1,171 @@
+"""Mirrored input, mirrored answer: every model, every kind of scenario that can be mirrored.
+
+The peak is the value of largest magnitude of a history, with its sign: what is turned round has the
+same peak with the other sign.
+
+Columns that are hit or pushed cannot be mirrored: a velocity and a push of a column are above 0 by
+their fields, and the models that answer nothing else know no other way. The frame of such a column
+can, from the other side. Studs and the impact problems of the laboratory have no sides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import pytest
+from builders import portal
+from test_registered_models import model_of
+
+from workbench.registry import model_kind, model_names
+from workbench.models import frame_model
+from workbench.models.base import Model
+from workbench.responses import Outcome, outcome_of, scalars_of, warnings_of
+from workbench.responses.histories import largest_of
+from workbench.scenarios import (
+    Column,
+    Frame,
+    FrameGroundMotion,
+    FrameImpact,
+    FramePulse,
+    FrameStatic,
+    FrameStriker,
+    Load,
+    Member,
+    MemberPulse,
+    Node,
+    Pulse,
+)
+from workbench.sections import find
+
+CLOSE = 1e-6  # of the peak; measured: at most 6e-10, of fibers in hinges
+READ = ("published",)  # answers what is printed alone
+# no more steps, fibers and bars than a side needs; steps by error are part of the test
+QUICK = {"time_step": 1e-4, "layers": 6, "elements": 2}
+BY_ERROR = ("rigid-superelement", "flexible-superelement", "single-dof", "biggs")
+MIRRORED = ("peak_displacement", "residual_displacement")  # scalars with a sign
+HEB = find("HEB 200")
+# pushed one way first, then farther the other way: yields there
+FACTORS = 0.0, 0.4, 0.0, -1.0, -1.0, 0.0
+TIMES = 0.0, 0.001, 0.002, 0.003, 0.006, 0.007
+
+
+def bent(sign: float) -> Frame:
+    """A bent post under a dead load, without symmetry, or its mirror image (`sign` -1)."""
+    nodes = (
+        Node("foot", 0.0, 0.0, "clamped"),
+        Node("hit", 0.0, 1.2, mass=200.0),
+        Node("top", sign * 0.5, 2.2, "guide-y"),
+    )
+    members = Member("lower", "foot", "hit", HEB), Member("upper", "hit", "top", HEB)
+    return Frame(nodes, members, loads=(Load("hit", x=sign * 2e4, y=-1e5),))
+
+
+def table(sign: float) -> Pulse:
+    return Pulse("table", 9e5, times=TIMES, factors=tuple(sign * f for f in FACTORS))
+
+
+def point(sign: float) -> MemberPulse:
+    return MemberPulse("pulse", Column(HEB, 1.2, 1.8, axial_load=2e5), table(sign), "point", 0.014)
+
+
+def uniform(sign: float) -> MemberPulse:
+    return replace(point(sign), pulse=replace(table(sign), peak=6e5), load="uniform")
+
+
+def straight(sign: float) -> FrameImpact:
+    """A column between a support and a beam, for the model that cuts it out."""
+    frame = portal(section=HEB, loads=(Load("A1", x=sign * 2e4, y=-1e5),)).split("A0-A1", 1.2, "hit")
+    turned = tuple(replace(node, x=sign * node.x) for node in frame.nodes)
+    return replace(impact(sign), frame=replace(frame, nodes=turned), duration=0.03)
+
+
+def impact(sign: float) -> FrameImpact:
+    """Displacements are along the strike: the same answer from the other side."""
+    striker = FrameStriker(300.0, 8.0, node="hit", direction="+x" if sign > 0.0 else "-x")
+    return FrameImpact("hit", bent(sign), striker, 0.015)
+
+
+def pulse(sign: float) -> FramePulse:
+    loads = (Load("hit", x=1.0),)
+    return FramePulse("pulse", bent(sign), table(sign), "hit", "+x", loads, duration=0.015)
+
+
+def ground(sign: float) -> FrameGroundMotion:
+    """The frame lags behind: against the ground it moves the other way, which is farther here."""
+    shaken = tuple(sign * a for a in (0.0, -300.0, 0.0, 3000.0, 3000.0, 0.0))
+    return FrameGroundMotion("shaken", bent(sign), shaken, 0.002, "hit", duration=0.015)
+
+
+def push(sign: float) -> FrameStatic:
+    """Back farther than there."""
+    path = sign * 0.005, -sign * 0.01
+    return FrameStatic("push", bent(sign), (Load("hit", x=sign),), "hit", "x", path)
+
+
+def load(sign: float) -> FrameStatic:
+    """The same by load: displacements are the answer."""
+    return replace(push(sign), loads=(Load("hit", x=sign * 1e4),), path=(5.0, -20.0), control="load")
+
+
+SCENARIOS = {each.__name__: each for each in (point, impact, pulse, ground, push, load)}
+LUMPED = {"point": point, "uniform": uniform, "straight": straight}  # of models that are no frames
+
+
+def cases() -> Iterator[object]:
+    for name in model_names():
+        answered = () if name in READ else model_kind(name).answers
+        kinds = SCENARIOS if FramePulse.KIND in answered else LUMPED
+        for kind, make in kinds.items():
+            if make(1.0).KIND in answered:
+                yield pytest.param(name, make, id=f"{name} {kind}")
+
+
+@pytest.fixture(autouse=True)
+def few_load_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Static paths in few load steps: both sides take the same ones."""
+    monkeypatch.setattr(frame_model, "PUSH_STEPS", 60)
+
+
+def quick(name: str) -> Model:
+    """A registered model with few steps, fibers and bars."""
+    model = model_of(name)
+    if name in BY_ERROR:
+        return model
+    known = {field.name for field in fields(model)}
+    return replace(model, **{key: value for key, value in QUICK.items() if key in known})
+
+
+@pytest.mark.parametrize(("name", "make"), cases())
+def test_mirrored_input_has_the_mirrored_answer(name: str, make: Callable[[float], Any]) -> None:
+    model, struck = quick(name), make in (impact, straight)
+    kind=make.__name__
+    import time
+    model.simulate(make(1.0))
+    t=time.process_time()
+    one, other = (model.simulate(make(sign)) for sign in (1.0, -1.0))
+    t=time.process_time()-t
+    with open("/tmp/mirror.txt","a") as f:
+        print(f"{name:28s}{kind:10s} {t:6.2f} {one.attrs['outcome']} {one.attrs['message'][:100]}", {k: f"{float(v):.4g}" for k, v in scalars_of(one).items()}, file=f)
+        if "displacement" in one: 
+            m1, m2 = one["displacement"].values, other["displacement"].values
+            sg = 1.0 if struck else -1.0
+            d = np.abs(m1-sg*m2).max()/np.abs(m1).max() if m1.shape==m2.shape else np.inf
+            print(f"    {d:.1e} max {1e3*m1.max():.2f} min {1e3*m1.min():.2f}", file=f)
+    for response in (one, other):
+        assert outcome_of(response) is Outcome.OK, response.attrs["message"]
+    sign = 1.0 if struck else -1.0
+    moved, back = one["displacement"].values, other["displacement"].values
+    largest = largest_of(moved)
+    assert back == pytest.approx(sign * moved, abs=CLOSE * abs(largest))
+    assert (largest > 0.0) == struck  # back it goes farther than it began
+    scalars, turned = scalars_of(one), scalars_of(other)
+    assert scalars.keys() == turned.keys()
+    for quantity, value in scalars.items():
+        expected = sign * value if quantity in MIRRORED else value
+        assert turned[quantity] == pytest.approx(expected, rel=CLOSE, abs=1e-9), quantity
+    if make is not push:  # there the displacement is no answer
+        assert scalars["peak_displacement"] == pytest.approx(largest, rel=5e-3)
+    assert [f.subject for f in warnings_of(one)] == [f.subject for f in warnings_of(other)]
