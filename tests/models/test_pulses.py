@@ -7,6 +7,7 @@ from math import pi, sin, sqrt
 
 import numpy as np
 import pytest
+from builders import portal
 
 from workbench.evidence.advice import advise
 from workbench.frames.members import shear_stiffness
@@ -24,8 +25,18 @@ from workbench.models.superelements import FlexibleSuperelement, RigidSupereleme
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_shear import FiberShear
 from workbench.responses import Finding, Outcome, energy_error, outcome_of, warnings_of
-from workbench.scenarios import Column, ColumnImpact, MemberPulse, Pulse, Striker, frame_scenario
+from workbench.scenarios import (
+    Column,
+    ColumnImpact,
+    FramePulse,
+    MemberPulse,
+    Pulse,
+    Striker,
+    frame_scenario,
+)
+from workbench.scenarios.pulse import UNIFORM
 from workbench.sections import find
+from workbench.study.limit import _peak
 
 MASS, STIFFNESS, STRENGTH = 200.0, 5e7, 5e5
 OMEGA = sqrt(STIFFNESS / MASS)
@@ -301,6 +312,46 @@ def test_time_of_peak_is_that_of_the_first_of_equal_cycles() -> None:
             for end in (0.061, 0.14, 0.2)
         }
         assert len(times) == 1
+
+
+ONE_MEANING = [Biggs(), SingleDof(), RigidSuperelement(), FiberCorotational(levels=1)]
+
+
+@pytest.mark.parametrize("model", ONE_MEANING, ids=lambda model: model.name)
+def test_what_remains_is_known_once_the_load_is_gone(model: Model) -> None:
+    """An elastic member comes back to where it was, and says nothing of that under its load."""
+    simple = Column(find("HEB 220"), 2.0, 2.0, base="pinned", head="pinned")
+    step = Pulse("rectangular", 3e4, 1.0)
+    stays = MemberPulse("stays", simple, step, UNIFORM, 0.2)
+    gone = replace(stays, pulse=replace(step, length=0.05))
+    for pulse in (step, Pulse("ramp", 3e4, 0.01), Pulse("exponential", 3e4, 0.1)):
+        response = model.simulate(replace(stays, pulse=pulse))
+        assert outcome_of(response) is Outcome.OK
+        assert "residual_displacement" not in response
+        assert "peak_displacement" in response
+    response = model.simulate(gone)
+    peak = abs(float(response["peak_displacement"]))
+    assert float(response["residual_displacement"]) == pytest.approx(0.0, abs=0.01 * peak)
+
+
+def test_frames_know_what_remains_once_the_load_is_gone() -> None:
+    frame = portal().split("A0-A1", 2.0, "hit")
+    step = Pulse("rectangular", 1e4, 3.0)
+    stays = FramePulse("stays", frame, step, "hit", members=("A0-A1/1",), duration=1.0)
+    assert "residual_displacement" not in RigidSuperelement().simulate(stays)
+    response = RigidSuperelement().simulate(replace(stays, pulse=replace(step, length=0.2)))
+    peak = abs(float(response["peak_displacement"]))
+    assert float(response["residual_displacement"]) == pytest.approx(0.0, abs=0.03 * peak)
+
+
+def test_suction_reaches_a_displacement_as_pressure_does(column) -> None:
+    """A limit asks for the magnitude: a pulse and its mirror image have the same peak."""
+    points = []
+    for sign in (1.0, -1.0):
+        table = Pulse("table", 1e5, times=(0.0, 0.01, 0.02), factors=(0.0, sign, 0.0))
+        scenario = MemberPulse("pulse", column, table, duration=0.05)
+        points.append(_peak(Biggs(), scenario, 0.05))
+    assert points[0] == pytest.approx(points[1], rel=1e-9)
 
 
 def test_a_member_is_a_frame_of_two() -> None:

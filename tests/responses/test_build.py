@@ -49,6 +49,57 @@ def test_a_growing_record_has_no_peak() -> None:
     assert peak_of(np.arange(5.0), np.arange(5.0)) == {}
 
 
+both_ways = pytest.mark.parametrize("sign", [1.0, -1.0])
+
+
+@both_ways
+def test_the_peak_is_the_value_of_largest_magnitude_with_its_sign(sign) -> None:
+    """1.81 mm one way, then 4.76 the other."""
+    time = np.linspace(0.0, 1.0, 2001)
+    back = -4.76 * np.sin(np.pi * (time - 0.4) / 0.6)
+    moved = np.where(time < 0.4, 1.81 * np.sin(np.pi * time / 0.4), back)
+    peak = peak_of(time, sign * moved)
+    assert peak["peak_displacement"] == pytest.approx(-4.76 * sign, rel=1e-5)
+    assert peak["time_of_peak"] == pytest.approx(0.7, abs=1e-5)
+
+
+@both_ways
+def test_of_swings_as_large_either_way_the_first_counts(sign) -> None:
+    """Samples of a vibration show more of one crest than of the other; 0.5 % more counts."""
+    time = np.linspace(0.0, 5.0, 101)
+    wave = sign * np.sin(2.0 * np.pi * time)
+    for growth, first in ((1e-3, True), (2e-2, False)):
+        peak = peak_of(time, wave * np.where(wave * sign < 0.0, 1.0 + growth, 1.0))
+        assert peak["peak_displacement"] == pytest.approx(
+            sign if first else -sign * (1.0 + growth), rel=2e-3
+        )
+        assert peak["time_of_peak"] == pytest.approx(0.25 if first else 0.75, abs=2e-3)
+
+
+@both_ways
+def test_a_record_grows_either_way(sign) -> None:
+    assert peak_of(np.arange(5.0), sign * np.arange(5.0)) == {}
+    assert peak_of(np.arange(5.0), sign * np.array([0.0, 1.0, 0.0, -2.0, -3.0])) == {}
+
+
+@both_ways
+def test_a_residual_either_way_is_that_behind_peak_and_load(sign) -> None:
+    """A mass on a spring from -1.9 on, at rest about -0.95; under a load until 0.5 s about -2."""
+    time = np.linspace(0.0, 1.4, 7001)
+    free = -0.95 - 0.05 * np.cos(40.0 * time)
+    pushed = -2.0 - 1.0 * np.cos(40.0 * time)
+    load = np.where(time < 0.5, -3e3, 0.0)
+    moved = np.where(time < 0.5, pushed, free)
+    moved[time < 0.02] *= time[time < 0.02] / 0.02
+    values = {"displacement": sign * moved, "load": sign * load}
+    left = float(build_response(values, time=time)["residual_displacement"])
+    assert left == pytest.approx(-0.95 * sign, rel=1e-4)
+    for stays in (np.full(7001, 1e3), np.minimum(time / 0.1, 1.0), np.exp(-time / 1.0)):
+        assert "residual_displacement" not in build_response({**values, "load": stays}, time=time)
+    fades = build_response({**values, "load": np.exp(-time / 0.05)}, time=time)
+    assert "residual_displacement" in fades
+
+
 def test_residual_is_the_mean_of_whole_cycles() -> None:
     time = np.linspace(0.0, 1.0, 5001)
     rise = 0.5 * (1.0 - np.cos(np.pi * np.minimum(time / 0.2, 1.0)))

@@ -19,9 +19,9 @@ import pytest
 from builders import portal
 from test_registered_models import model_of
 
-from workbench.registry import model_kind, model_names
 from workbench.models import frame_model
 from workbench.models.base import Model
+from workbench.registry import model_kind, model_names
 from workbench.responses import Outcome, outcome_of, scalars_of, warnings_of
 from workbench.responses.histories import largest_of
 from workbench.scenarios import (
@@ -56,7 +56,7 @@ def bent(sign: float) -> Frame:
     """A bent post under a dead load, without symmetry, or its mirror image (`sign` -1)."""
     nodes = (
         Node("foot", 0.0, 0.0, "clamped"),
-        Node("hit", 0.0, 1.2, mass=200.0),
+        Node("hit", 0.0, 1.2, mass=800.0),
         Node("top", sign * 0.5, 2.2, "guide-y"),
     )
     members = Member("lower", "foot", "hit", HEB), Member("upper", "hit", "top", HEB)
@@ -77,7 +77,9 @@ def uniform(sign: float) -> MemberPulse:
 
 def straight(sign: float) -> FrameImpact:
     """A column between a support and a beam, for the model that cuts it out."""
-    frame = portal(section=HEB, loads=(Load("A1", x=sign * 2e4, y=-1e5),)).split("A0-A1", 1.2, "hit")
+    frame = portal(section=HEB, loads=(Load("A1", x=sign * 2e4, y=-1e5),)).split(
+        "A0-A1", 1.2, "hit"
+    )
     turned = tuple(replace(node, x=sign * node.x) for node in frame.nodes)
     return replace(impact(sign), frame=replace(frame, nodes=turned), duration=0.03)
 
@@ -95,19 +97,20 @@ def pulse(sign: float) -> FramePulse:
 
 def ground(sign: float) -> FrameGroundMotion:
     """The frame lags behind: against the ground it moves the other way, which is farther here."""
-    shaken = tuple(sign * a for a in (0.0, -300.0, 0.0, 3000.0, 3000.0, 0.0))
-    return FrameGroundMotion("shaken", bent(sign), shaken, 0.002, "hit", duration=0.015)
+    shaken = tuple(sign * a for a in (0.0, -300.0, 0.0, 1000.0, 1000.0, 0.0))
+    return FrameGroundMotion("shaken", bent(sign), shaken, 0.002, "hit", duration=0.02)
 
 
 def push(sign: float) -> FrameStatic:
     """Back farther than there."""
     path = sign * 0.005, -sign * 0.01
-    return FrameStatic("push", bent(sign), (Load("hit", x=sign),), "hit", "x", path)
+    return FrameStatic("push", bent(sign), (Load("hit", x=1.0),), "hit", "x", path)
 
 
 def load(sign: float) -> FrameStatic:
     """The same by load: displacements are the answer."""
-    return replace(push(sign), loads=(Load("hit", x=sign * 1e4),), path=(5.0, -20.0), control="load")
+    path = sign * 5.0, -sign * 20.0
+    return replace(push(sign), loads=(Load("hit", x=1e4),), path=path, control="load")
 
 
 SCENARIOS = {each.__name__: each for each in (point, impact, pulse, ground, push, load)}
@@ -138,28 +141,20 @@ def quick(name: str) -> Model:
     return replace(model, **{key: value for key, value in QUICK.items() if key in known})
 
 
-@pytest.mark.parametrize(("name", "make"), cases())
+@pytest.mark.parametrize(("name", "make"), [*cases()])
 def test_mirrored_input_has_the_mirrored_answer(name: str, make: Callable[[float], Any]) -> None:
     model, struck = quick(name), make in (impact, straight)
-    kind=make.__name__
-    import time
-    model.simulate(make(1.0))
-    t=time.process_time()
     one, other = (model.simulate(make(sign)) for sign in (1.0, -1.0))
-    t=time.process_time()-t
-    with open("/tmp/mirror.txt","a") as f:
-        print(f"{name:28s}{kind:10s} {t:6.2f} {one.attrs['outcome']} {one.attrs['message'][:100]}", {k: f"{float(v):.4g}" for k, v in scalars_of(one).items()}, file=f)
-        if "displacement" in one: 
-            m1, m2 = one["displacement"].values, other["displacement"].values
-            sg = 1.0 if struck else -1.0
-            d = np.abs(m1-sg*m2).max()/np.abs(m1).max() if m1.shape==m2.shape else np.inf
-            print(f"    {d:.1e} max {1e3*m1.max():.2f} min {1e3*m1.min():.2f}", file=f)
     for response in (one, other):
         assert outcome_of(response) is Outcome.OK, response.attrs["message"]
     sign = 1.0 if struck else -1.0
     moved, back = one["displacement"].values, other["displacement"].values
     largest = largest_of(moved)
     assert back == pytest.approx(sign * moved, abs=CLOSE * abs(largest))
+    for history in ("velocity", "force", "reaction"):
+        if history in one:
+            values, size = one[history].values, np.abs(one[history].values).max()
+            assert other[history].values == pytest.approx(sign * values, abs=CLOSE * size), history
     assert (largest > 0.0) == struck  # back it goes farther than it began
     scalars, turned = scalars_of(one), scalars_of(other)
     assert scalars.keys() == turned.keys()

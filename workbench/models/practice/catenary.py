@@ -133,7 +133,7 @@ class TrilinearCatenary(_Catenary):
     resistance: ClassVar[str] = TRILINEAR  # type: ignore[misc]
 
     name: ClassVar[str] = "trilinear-catenary"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     assumptions: ClassVar[tuple[str, ...]] = (
         "Resistance of three straight lines: elastic, plastic mechanism at the axial force before "
         "the hit, catenary from where chords stretch more than hinges to the rope at N_p.",
@@ -149,7 +149,7 @@ class YinWang(_Catenary):
     resistance: ClassVar[str] = PROFILE  # type: ignore[misc]
 
     name: ClassVar[str] = "yin-wang"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     assumptions: ClassVar[tuple[str, ...]] = (
         "The deflection keeps the profile of the elastic beam; its elongation alone makes the "
         "axial force, up to N_p, and the moment is what a linear interaction leaves beside it.",
@@ -166,7 +166,7 @@ class Izzuddin(_Catenary):
     resistance: ClassVar[str] = RIGID_PLASTIC  # type: ignore[misc]
 
     name: ClassVar[str] = "izzuddin"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plastic hinges turn as those of a rigid-plastic mechanism and stretch by the flow rule of "
         "the linear N-M interaction. Heng 2017 says that this makes the axial force too small; as "

@@ -13,7 +13,7 @@ from workbench.models.resistance.kernels import on_curve, unloading_stiffness, w
 
 
 class Spring(NamedTuple):
-    """Displacement `v` and `force`; how far it has been on the envelope, either way, its force there.
+    """Displacement `v` and `force`; farthest place on the envelope, either way, and its force.
 
     Before the first yielding `top` is the elastic limit. Further the unloading `stiffness` there,
     whether the spring has `yielded`, and the energy `dissipated` so far.
