@@ -27,8 +27,7 @@ class Bias:
 def bias_and_scatter(model: ArrayLike, data: ArrayLike) -> Bias:
     """Bias factor and model scatter as the FDS validation guide defines them.
 
-    Arguments: `model` and `data` values (n,) of the same sign, the data without a scatter of their
-    own.
+    Arguments: pairs of `model` and `data` (n,), of one sign, the data without their own scatter.
     With the log ratios' mean and standard deviation u, the bias is exp(mean + u^2/2). The
     interval is Cox's for the mean of a lognormal quantity, with Student quantiles.
     Raises `InputError` for values of different signs, zeros, and values not in pairs.

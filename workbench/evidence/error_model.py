@@ -105,10 +105,7 @@ def anchor_error(scenario: Any) -> ExpectedError:
 
 
 def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> ExpectedError:
-    """That of the peak of a model's `answer` (m); the `anchor` has this peak (None: run it).
-
-    Magnitudes are compared.
-    """
+    """That of the size of the peak `answer` (m); the `anchor` has this peak (None: run it)."""
     table = table_of(scenario)
     if table is None:
         return ExpectedError(ANCHOR, reason=f"errors of {scenario.KIND} were not measured")

@@ -206,7 +206,7 @@ class ErrorTable:
     def _against(self, name: str) -> Array:
         """ln(peak of a model / truth), of magnitudes, of all rows, NaN where one has none."""
         with np.errstate(invalid="ignore", divide="ignore"):
-            ratios = np.log(np.abs(self.rows[name] / self.rows[TRUTH]).to_numpy(float))
+            ratios = np.log(np.abs(self.rows[name].div(self.rows[TRUTH]).to_numpy(float)))
         return np.where(np.isfinite(ratios), ratios, nan)
 
     @cached_property

@@ -20,15 +20,9 @@ from workbench.responses import (
     build_response,
     energy_error,
     finding,
-)
-from workbench.responses.histories import (
-    implied,
-    largest_of,
-    open_share,
     peak_of,
-    residual_over,
-    unloaded,
 )
+from workbench.responses.histories import implied, largest_of, open_share, residual_over, unloaded
 from workbench.scenarios import (
     FrameGroundMotion,
     FrameImpact,
@@ -93,8 +87,7 @@ def measure_impact(
 def _struck(record: Record, scenario: FrameImpact) -> tuple[dict[str, Any], list[Finding]]:
     """What the scalars of an impact follow from, and what is said of the residual displacement."""
     striker, impulses = scenario.striker, record.history(0.0, "impulse")
-    push = {"percussion": impulses}
-    residual, warnings = _residual(record, scenario, striker.node, striker.direction, push)
+    residual, warnings = _residual(record, scenario, striker, {"percussion": impulses})
     values = {
         **residual,
         **record.columns("displacement", "elastic"),
@@ -165,23 +158,18 @@ def run_driven(
     warnings = _softened(record)
     if isinstance(scenario, FramePulse):
         load = values["load"] = scenario.pulse.force(record.column("at")) * whole
-        push = {"load": load}
-        residual, of_it = _residual(record, scenario, scenario.node, scenario.direction, push)
+        residual, of_it = _residual(record, scenario, scenario, {"load": load})
         values, warnings = values | residual, of_it + warnings
     return _timed_response(record, scenario, values, warnings, OPEN_LEDGER)
 
 
 def _residual(
-    record: Record,
-    scenario: FrameImpact | FramePulse,
-    node: str,
-    direction: str,
-    push: dict[str, Array],
+    record: Record, scenario: FrameImpact | FramePulse, place: Any, push: dict[str, Array]
 ) -> tuple[dict[str, Any], list[Finding]]:
     """The residual displacement of a frame, whose sway is slow; of a column see `histories`.
 
-    All that leaves something has happened once the `push` (steps,), by the name of its variable,
-    and the plastic work are over; there is none where it stays.
+    All that leaves something has happened once the `push` (steps,) by its name and the plastic work
+    are over; none where that stays. Argument: the `place`, with node and direction.
     """
     time, moved, spent = record.column("at"), record.column("displacement"), record.dissipated
     if record.structure.is_column or not peak_of(time, moved):
@@ -189,7 +177,7 @@ def _residual(
     begin = unloaded(push)
     if begin is None:
         return {"residual_displacement": None}, []
-    period = slowest_period(scenario.frame, node, direction)
+    period = slowest_period(scenario.frame, place.node, place.direction)
     sums = [np.cumsum(np.abs(each)) for each in push.values()]
     if spent[-1] > YIELDED * (record.column("elastic").max() + spent[-1]):
         sums.append(spent)

@@ -146,8 +146,7 @@ def strike(
         steps = follow_impact(view.assembly, dof, mass, pace, record.limits, sign=sign, calm=calm)
         answered = answer(scenario, record, timed(steps), largest_error)
         time, moved, speed = map(record.column, ("at", "displacement", "velocity"))
-        side = side_of(time, moved)
-        push = record.history(0.0, "impulse")
+        side, push = side_of(time, moved), record.history(0.0, "impulse")
         late = late_peak(pace, calm, time, side * moved, side * speed, push)
         highest = float(np.abs(moved).max())
         gone = highest < NEARLY * before  # what small steps looked for: it may come yet later

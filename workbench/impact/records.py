@@ -32,8 +32,7 @@ class Run(NamedTuple):
     def peak(self, bounces: bool = False) -> dict[str, float]:
         """Largest displacement at which the hit point stood still, and when; empty without one.
 
-        Of one that swings back farther, as far as that, with its sign.
-
+        Negative where it swings back farther.
         With `bounces` the column may come as far again: then the time is that of the first peak.
         """
         peak, when = standstill(self.records, self.progress, bounces)

@@ -52,9 +52,7 @@ def implied(
         peak = peak_of(time, displacement)
         derived |= peak
         if hit and peak and "residual_displacement" not in values:
-            begin = unloaded(given)
-            if begin is not None:
-                derived["residual_displacement"] = residual_of(time, displacement, begin)
+            derived["residual_displacement"] = residual_of(time, displacement, unloaded(given))
         elif hit and not peak:
             findings.append(finding("still-growing", time=time[-1]))
     if time is not None and blow:
@@ -145,13 +143,15 @@ def unloaded(values: Mapping[str, Array]) -> int | None:
     return row if row < len(load) else None
 
 
-def residual_of(time: Array, displacement: Array, begin: int = 0) -> float | None:
+def residual_of(time: Array, displacement: Array, begin: int | None = 0) -> float | None:
     """Permanent displacement: mean over the whole cycles of free vibration after the peak.
 
     A cycle runs between two crossings, towards the peak, of the mid-level of the record after its
-    first turn behind the peak, and behind the row `begin`. None if the record holds no whole cycle:
-    run longer.
+    first turn behind the peak, and behind the row `begin` (None: load stays). None if the record
+    holds no whole cycle: run longer.
     """
+    if begin is None:
+        return None
     from workbench.responses.kernels import mean_of_cycles  # readers of responses need no compiler
 
     mean = mean_of_cycles(time, displacement, begin)

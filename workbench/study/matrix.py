@@ -72,9 +72,8 @@ def against_governing(tables: Tables) -> pd.DataFrame:
     compared = compared[(compared["metric"] == "relative_error") & (compared["against"] == label)]
     peaks = compared[compared["quantity"] == PEAK].set_index(["case", "model"])["against_value"]
     pairs = compared.join(peaks.rename("peak"), on=["case", "model"])
-    remains = (pairs["quantity"] != RESIDUAL) | (
-        pairs["against_value"].abs() >= REMAINS * pairs["peak"].abs()
-    )
+    share = (pairs["against_value"] / pairs["peak"]).abs()
+    remains = (pairs["quantity"] != RESIDUAL) | (share >= REMAINS)
     alike = pairs["value"] * pairs["against_value"] > 0.0
     return pairs.assign(telling=alike & remains).set_index(["case", "model", "quantity"])
 

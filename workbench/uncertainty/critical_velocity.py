@@ -53,16 +53,13 @@ class Root(NamedTuple):
 
 @dataclass(frozen=True)
 class Asked:
-    """A model at a sample; `peak_at(ln velocity)` is inf for collapse, NaN without an answer.
-
-    Of a peak the magnitude counts.
-    """
+    """A model at a sample; `peak_at(ln velocity)` is inf for collapse, NaN without an answer."""
 
     model: Model
     scenario: Any
 
     def peak_at(self, log_velocity: float) -> float:
-        """Peak displacement (m) at a velocity."""
+        """Magnitude of the peak displacement (m) at a velocity."""
         try:
             response = ask(self.model, self.scenario.at_velocity(exp(log_velocity)))[1]
         except WorkbenchError:

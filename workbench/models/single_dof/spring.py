@@ -37,50 +37,36 @@ def spring_at_rest(elastic_limit, pieces):
 
 
 @njit(cache=True, error_model="numpy")
-def mirrored(state):
-    """The state with the other sign of displacement and force: the spring is the same both ways."""
-    v, force, top, top_force, stiffness, yielded, dissipated = state
-    return Spring(-v, -force, top, top_force, stiffness, yielded, dissipated)
-
-
-@njit(cache=True, error_model="numpy")
 def spring_path(state, v1, pieces):
     """Force, slope and work of the straight path from the state to v1, which is not taken.
 
     Below the first yielding the spring follows the envelope both ways; later it moves on the
     unloading line between -F_top and F_top, flows at these two, and rejoins the envelope at v_top,
-    or at -v_top the mirrored one.
+    at -v_top the mirrored one. What goes down is the mirror image of what goes up.
     """
-    if v1 < state.v:
-        force, slope, work = _rise(mirrored(state), -v1, pieces)
-        return -force, slope, work
-    return _rise(state, v1, pieces)
-
-
-@njit(cache=True, error_model="numpy")
-def _rise(state, v1, pieces):
-    """As `spring_path`, to a displacement v1 that is not below that of the state."""
+    way = 1.0 if v1 >= state.v else -1.0
     v0, f0, v_top, f_top, k, yielded, _ = state
+    v0, f0, v1 = way * v0, way * f0, way * v1
     if v1 >= v_top:
         f1, slope = on_curve(pieces, v1)
     if not yielded:
         a, b = abs(v0), min(abs(v1), v_top)
         work = work_between(pieces, a, b) if b >= a else -work_between(pieces, b, a)
         if v1 >= v_top:
-            return f1, slope, work + work_between(pieces, v_top, v1)
+            return way * f1, slope, work + work_between(pieces, v_top, v1)
         f1, slope = on_curve(pieces, b)
-        return (f1 if v1 >= 0.0 else -f1), slope, work
+        return way * (f1 if v1 >= 0.0 else -f1), slope, work
     if v0 == v_top:
-        return f1, slope, work_between(pieces, v0, v1)
+        return way * f1, slope, work_between(pieces, v0, v1)
     bend = min(v0 + max(f_top - f0, 0.0) / k, v_top)  # back at F_top
     if v1 <= bend and v1 < v_top:
         f1 = f0 + k * (v1 - v0)
-        return f1, k, 0.5 * (f0 + f1) * (v1 - v0)
+        return way * f1, k, 0.5 * (f0 + f1) * (v1 - v0)
     work = 0.5 * (f0 + f_top) * (bend - v0)
     if v1 < v_top:
-        return f_top, 0.0, work + f_top * (v1 - bend)
+        return way * f_top, 0.0, work + f_top * (v1 - bend)
     work += f_top * (v_top - bend)
-    return f1, slope, work + work_between(pieces, v_top, v1)
+    return way * f1, slope, work + work_between(pieces, v_top, v1)
 
 
 @njit(cache=True, error_model="numpy")
@@ -94,31 +80,26 @@ def spring_energy(state, pieces):
 @njit(cache=True, error_model="numpy")
 def spring_moved(state, v1, pieces):
     """State after the straight path to v1: force, top, unloading stiffness, dissipation."""
-    if v1 < state.v:
-        return mirrored(_risen(mirrored(state), -v1, pieces))
-    return _risen(state, v1, pieces)
-
-
-@njit(cache=True, error_model="numpy")
-def _risen(state, v1, pieces):
-    """As `spring_moved`, to a displacement v1 that is not below that of the state."""
     v0, f0, v_top, f_top, k, yielded, dissipated = state
     if unloads(state, v1):
         return Spring(v1, f0 + k * (v1 - v0), v_top, f_top, k, True, dissipated)
-    f1 = _rise(state, v1, pieces)[0]
+    f1 = spring_path(state, v1, pieces)[0]
+    way = 1.0 if v1 >= v0 else -1.0
+    start, far = way * v0, way * v1
     if not yielded:
-        if v1 <= v_top:
+        if far <= v_top:
             return Spring(v1, f1, v_top, f_top, k, False, dissipated)
         # elastic energy of the curve gives way to that of the unloading line
         dissipated += work_between(pieces, 0.0, v_top) - 0.5 * f_top * f_top / k
-    elif v0 < v_top:
-        dissipated += f_top * max(min(v1, v_top) - (v0 + max(f_top - f0, 0.0) / k), 0.0)
-    if v1 <= v_top:
+    elif start < v_top:
+        flows = start + max(f_top - way * f0, 0.0) / k
+        dissipated += f_top * max(min(far, v_top) - flows, 0.0)
+    if far <= v_top:
         return Spring(v1, f1, v_top, f_top, k, True, dissipated)
-    stiffness = unloading_stiffness(pieces, v1)
-    dissipated += work_between(pieces, v_top, v1)
+    stiffness = unloading_stiffness(pieces, far)
+    dissipated += work_between(pieces, v_top, far)
     dissipated -= 0.5 * (f1 * f1 / stiffness - f_top * f_top / k)
-    return Spring(v1, f1, v1, f1, stiffness, True, dissipated)
+    return Spring(v1, f1, far, abs(f1), stiffness, True, dissipated)
 
 
 @njit(cache=True, error_model="numpy")
