@@ -10,6 +10,7 @@ can, from the other side. Studs and the impact problems of the laboratory have n
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
 from typing import Any
@@ -19,13 +20,26 @@ import pytest
 from builders import portal
 from test_registered_models import model_of
 
+from workbench.assessment import METRICS, bias_and_scatter
+from workbench.assessment.metric import Pair
+from workbench.desk.summary import headline
+from workbench.errors import InputError
+from workbench.evidence.error_model import ExpectedError
 from workbench.models import frame_model
 from workbench.models.base import Model
-from workbench.registry import model_kind, model_names
-from workbench.responses import Outcome, outcome_of, scalars_of, warnings_of
+from workbench.registry import make_model, model_kind, model_names
+from workbench.responses import (
+    Outcome,
+    Response,
+    build_response,
+    outcome_of,
+    scalars_of,
+    warnings_of,
+)
 from workbench.responses.histories import largest_of
 from workbench.scenarios import (
     Column,
+    ColumnImpact,
     Frame,
     FrameGroundMotion,
     FrameImpact,
@@ -37,8 +51,10 @@ from workbench.scenarios import (
     MemberPulse,
     Node,
     Pulse,
+    Striker,
 )
 from workbench.sections import find
+from workbench.uncertainty.critical_velocity import Asked
 
 CLOSE = 1e-6  # of the peak; measured: at most 6e-10, of fibers in hinges
 READ = ("published",)  # answers what is printed alone
@@ -164,3 +180,45 @@ def test_mirrored_input_has_the_mirrored_answer(name: str, make: Callable[[float
     if make is not push:  # there the displacement is no answer
         assert scalars["peak_displacement"] == pytest.approx(largest, rel=5e-3)
     assert [f.subject for f in warnings_of(one)] == [f.subject for f in warnings_of(other)]
+
+
+# -- users of a peak that is negative ----------------------------------------------------------
+
+
+def test_a_push_to_the_other_side_tells_its_largest_force() -> None:
+    """A cantilever against its pattern of loads: d / F = L^3 / 3EI + L / GA_w, A_w = 90 x 6 mm2."""
+    post = find("HEB 100")
+    nodes = Node("foot", 0.0, 0.0, "clamped"), Node("top", 0.0, 1.0)
+    frame = Frame(nodes, (Member("post", "foot", "top", post),))
+    pushed = FrameStatic("push", frame, (Load("top", x=1.0),), "top", "-x", (0.005,))
+    response = make_model("rigid-superelement").simulate(pushed)
+    force = -0.005 / (1.0 / (3.0 * 210e9 * post.second_moment) + 1.0 / (80.8e9 * 540e-6))
+    assert largest_of(response["force"].values) == pytest.approx(force, rel=0.03)
+    assert "largest force \u221213.3\u00a0kN" in headline(response)
+
+
+def test_errors_and_bias_of_negative_peaks_are_those_of_positive_ones() -> None:
+    one, other = (Pair(sign * 5.0, sign * 4.0, "peak_displacement") for sign in (1.0, -1.0))
+    for name in ("relative_error", "log_ratio"):
+        assert METRICS[name].compute(one) == METRICS[name].compute(other) > 0.0
+    model, data = np.array([5.0, 4.1, 3.0]), np.array([4.0, 4.0, 4.0])
+    assert bias_and_scatter(-model, -data) == bias_and_scatter(model, data)
+    with pytest.raises(InputError, match="one sign"):
+        bias_and_scatter(model, -data)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_limits_ask_for_magnitudes_and_intervals_are_in_order(sign: float) -> None:
+    time = np.linspace(0.0, 1.0, 101)
+    response = build_response({"displacement": 0.2 * sign * np.sin(2.0 * time)}, time=time)
+
+    class Swings:
+        def simulate(self, scenario: object) -> Response:
+            return response
+
+    striker = ColumnImpact("hit", Column(HEB, 1.0, 1.0), Striker(1.0, 1.0))
+    assert Asked(Swings(), striker).peak_at(0.0) == pytest.approx(0.2, rel=1e-4)
+    error = ExpectedError("anchor", expected=0.0, low=-0.1, high=0.25, chance=0.1)
+    attributes = {"model": "toy", "error": json.dumps(error.as_dict())}
+    text = headline(response.assign_attrs(attributes)).replace("\u2212", "-")
+    assert ("160 to 222" if sign > 0.0 else "-222 to -160") in text
