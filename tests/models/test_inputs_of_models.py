@@ -2,15 +2,152 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import pytest
 
 from workbench.evidence.advice import advised, doubts
-from workbench.registry import make_model
+from workbench.models import frame_model
+from workbench.models.base import Model
+from workbench.models.frame_model import FrameModel
+from workbench.registry import make_model, model_kind, model_names
 from workbench.responses import findings_of
-from workbench.scenarios import frame_scenario
-from workbench.scenarios.codec import set_inputs
+from workbench.scenarios import (
+    Column,
+    ColumnImpact,
+    ColumnPushover,
+    Frame,
+    FrameGroundMotion,
+    FrameImpact,
+    FramePulse,
+    FrameStatic,
+    FrameStriker,
+    Joint,
+    Load,
+    Member,
+    MemberPulse,
+    Node,
+    Pulse,
+    Scenario,
+    Striker,
+    frame_scenario,
+)
+from workbench.scenarios.codec import inputs_of, set_inputs
+from workbench.scenarios.varied import with_other_inputs
+from workbench.sections import find
+from workbench.testing import ignored_inputs
+
+SECTION = find("HEB 220")
+COLUMN = Column(SECTION, 1.5, 2.5, axial_load=4e5, restraint_stiffness=2e7, head_mass=300.0)
+SEMI = Joint("semi", 2e7, 2e9, 1.2e5, 1.1e5, 3e5, 2.8e5)
+FRAME = Frame(
+    (
+        Node("A0", 0.0, 0.0, "clamped"),
+        Node("A", 0.0, 1.5, mass=100.0, rotary_inertia=5.0),
+        Node("A1", 0.0, 4.0, mass=500.0),
+        Node("B1", 5.0, 4.0, spring_x=1e5, spring_y=1e5, spring_rotation=1e4),
+        Node("B0", 5.0, 0.0, "pinned"),
+    ),
+    (
+        Member("A0-A", "A0", "A", SECTION),
+        Member("A-A1", "A", "A1", SECTION),
+        Member("A1-B1", "A1", "B1", find("IPE 270"), "semi", "semi"),
+        Member("B0-B1", "B0", "B1", SECTION),
+    ),
+    (Load("A1", y=-2e5, x=1e3, moment=1e3), Load("B1", y=-2e5)),
+    (SEMI,),
+)
+PATTERN = (Load("A1", x=1.0, y=-0.1, moment=0.1),)
+SCENARIOS: tuple[Scenario, ...] = (
+    ColumnImpact("impact", COLUMN, Striker(1500.0, 12.0), 0.012),
+    ColumnPushover("push", COLUMN, 0.15),
+    MemberPulse("pulse", COLUMN, Pulse("friedlander", 3e6, 0.01), duration=0.008),
+    FrameStatic("static", FRAME, PATTERN, "A1", "x", (0.15, -0.2)),
+    FrameImpact("hit", FRAME, FrameStriker(1500.0, 15.0, node="A", direction="+x"), 0.006),
+    FrameGroundMotion("shaken", FRAME, (0.0, 300.0, 300.0, 300.0, -300.0), 0.002, "A1", "x"),
+    FramePulse(
+        "blast", FRAME, Pulse("friedlander", 1e5, 0.01), "A", "+x", PATTERN, ("A0-A",), 0.006
+    ),
+)
+VALUES = {
+    "column.section": ["HEB 200"],
+    "column.axial_load": [8e5],
+    "member.section": ["HEB 200"],
+    "steel.rate": ["S355"],
+    "steel.hardening_modulus": [5e9],
+    "striker.stiffness": [5e6],
+    "striker.crush": [[[0.0, 0.0], [0.05, 5e5], [0.5, 2e6]]],
+    "pattern.x": [2.0],
+    "push.path": [[0.2], [0.3, -0.1]],
+    "member.start": ["B0", "A"],
+    "member.joint_start": ["pinned", "semi"],
+    "member.joint_end": ["pinned", "semi"],
+    "striker.node": ["A1"],
+    "push.node": ["A"],
+    "ground.node": ["A"],
+    "pulse.node": ["A1"],
+    "ground.acceleration": [[0.0, 200.0, 300.0]],
+    "pulse.members": [["A-A1"], ["B0-B1"]],
+    "ground.load_as_mass": [True],
+}
+# what no answer can depend on, or only through other inputs
+WITHOUT_EFFECT = {
+    "name": "a name",
+    "steel.grade": "stands for the yield stress and the rate law beside it",
+    "steel.thickness": "lowers the yield stress of a grade as it is read",
+    "node.name": "a name, by which other inputs call the node",
+    "member.name": "a name",
+    "joint.name": "a name, by which members call the joint",
+    "load.node": "a name of a node",
+    "pattern.node": "a name of a node",
+    "member.start": "a name of a node",
+    "member.end": "a name of a node",
+}
+KNOWN = {  # of one model and kind
+    ("biggs", "column-pushover"): {"column.area"},  # gives its mass, and statics have none
+}
+OPTIONS = {
+    "solid-plane-stress": {"refinement": -1, "levels": 1},
+    "soft-impact": {"striker_stiffness": 1e7},  # so that the column yields
+}
+FIBERS = {"smallest_element": 0.4, "largest_element": 0.8, "levels": 1, "layers": 6}
+NO_STRUCTURE = ("stud-", "impact-", "published", "measured")  # of other scenarios, or data
+
+MODELS = [name for name in model_names() if not name.startswith(NO_STRUCTURE)]
+
+
+def coarse(name: str) -> Model:
+    kind, options = model_kind(name), dict(OPTIONS.get(name, {}))
+    if name.startswith("fiber-") and "levels" in {field.name for field in fields(kind)}:
+        options |= FIBERS
+    if issubclass(kind, FrameModel):
+        options["time_step"] = 2e-4
+    return make_model(name, options)
+
+
+@pytest.fixture
+def few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(frame_model, "PUSH_STEPS", 20)
+    monkeypatch.setattr(frame_model, "PERIOD_STEPS", 10.0)
+
+
+@pytest.mark.usefixtures("few_steps")
+@pytest.mark.parametrize("name", MODELS)
+def test_all_inputs_are_used_or_said_not_to_be(name: str) -> None:
+    model, ignored = coarse(name), {}
+    for scenario in SCENARIOS:
+        if scenario.KIND in model.answers:
+            assert coarse(name).simulate(scenario).data_vars, f"{name} refuses {scenario.KIND}"
+            known = {*WITHOUT_EFFECT, *KNOWN.get((name, scenario.KIND), ())}
+            paths = set(ignored_inputs(model, scenario, VALUES)) - known
+            ignored |= {scenario.KIND: paths} if paths else {}
+    assert not ignored
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda scenario: scenario.KIND)
+def test_all_inputs_of_a_scenario_are_varied(scenario: Scenario) -> None:
+    varied = {each.path for each, _ in with_other_inputs(scenario, VALUES)}
+    assert {each.path for each in inputs_of(scenario)} <= varied | set(WITHOUT_EFFECT)
 
 
 def unused(response) -> list[str]:

@@ -38,16 +38,27 @@ class Place(NamedTuple):
         return self.key in (tables.get(self.table, {}) if self.table else tables)
 
 
-class SetInput(NamedTuple):
-    """An input as a file has it: its `path`, such as ``node.A1.mass``, its `value` and `unit`."""
+class Input(NamedTuple):
+    """An input as a file has it: its `path` without names, ``node.mass``, its `name` with them.
+
+    And the `keys` that lead there, its `value`, `default` (the value itself: it has none), `rule`.
+    """
 
     path: str
+    name: str
+    keys: tuple[str | int, ...]
     value: Any
-    unit: str
+    default: Any
+    rule: Any
 
     def __str__(self) -> str:
         value = f"{self.value:g}" if isinstance(self.value, float) else shown(self.value)
-        return f"{self.path} = {value} {self.unit}".rstrip()
+        return f"{self.name} = {value} {self.unit}".rstrip()
+
+    @property
+    def unit(self) -> str:
+        """Its unit, if it has one."""
+        return getattr(self.rule, "unit", "")
 
 
 Made = Mapping[tuple[Any, str], Any]  # values of fields by their class and name
@@ -142,34 +153,29 @@ def dumped(key: str, value: Any) -> str:
     return "".join([f"[{key}]\n", *lines] if table is value else lines)
 
 
-def set_inputs(whole: Declared) -> dict[str, SetInput]:
-    """Return the inputs of an object that are set away from their defaults; kept with it.
-
-    By their paths without names, ``node.mass``: of many alike the first. What has no default
-    is none of them.
-    """
-    if "set" not in whole.kept:
-        whole.kept["set"] = dict(reversed([*_set_inputs(whole)]))
-    kept: dict[str, SetInput] = whole.kept["set"]
-    return kept
+def set_inputs(whole: Declared) -> dict[str, Input]:
+    """Return the inputs of an object that are not at their defaults, by path: the first of many."""
+    found = [each for each in inputs_of(whole) if each.value != each.default]
+    return {each.path: each for each in reversed(found)}
 
 
-def _set_inputs(part: Any, entry: str = "", label: str = "") -> Iterator[tuple[str, SetInput]]:
-    """Those of an object; of an `entry` of an array of tables with its label and a point."""
+def inputs_of(part: Any, table: str = "", entry: tuple[Any, ...] = ()) -> Iterator[Input]:
+    """Return all inputs of an object; of one in an array of tables with its label and number."""
     kind: Any = type(part)
-    defaults = _defaults(kind)
     for place in _places(kind, bool(entry)):
-        value, name = getattr(part, place.field.name), place.field.name
+        value, holder = getattr(part, place.field.name), table or place.table
         if place.part:
-            yield from set_inputs(value).items() if value is not None else ()
+            yield from inputs_of(value) if value is not None else ()
         elif place.entries:
-            table = place.entries.TABLE if place.table else place.key
-            for each in value:
-                yield from _set_inputs(each, table, f"{getattr(each, each.LABEL)}.")
-        elif value != defaults.get(name, value):
-            table = f"{entry or place.table}."
-            unit = getattr(place.rule, "unit", "")
-            yield f"{table}{place.key}", SetInput(f"{table}{label}{place.key}", value, unit)
+            array = place.entries.TABLE if place.table else place.key
+            for number, each in enumerate(value):
+                yield from inputs_of(each, array, (getattr(each, each.LABEL), number))
+        else:
+            path = f"{holder}.{place.key}" if holder else place.key
+            name = f"{holder}.{entry[0]}.{place.key}" if entry else path
+            keys = (holder, *entry[1:], place.key) if holder else (place.key,)
+            default = _defaults(kind).get(place.field.name, value)
+            yield Input(path, name, keys, value, default, place.rule)
 
 
 @cache

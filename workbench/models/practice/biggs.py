@@ -59,6 +59,7 @@ class Biggs(SingleDof):
 
     name: ClassVar[str] = "biggs"
     version: ClassVar[int] = 3
+    unused: ClassVar[tuple[str, ...]] = ("column.head_mass", "column.restraint_stiffness")
     crushing: ClassVar[bool] = False  # the energy says which mass is hit
     assumptions: ClassVar[tuple[str, ...]] = (
         "The member moves in the shape that its load makes statically, another one for each stage: "

@@ -57,7 +57,10 @@ class HandEstimate(Answering):
     name: ClassVar[str] = "hand-estimate"
     version: ClassVar[int] = 1
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
-    unused: ClassVar[tuple[str, ...]] = ("column.head_mass", "column.restraint_stiffness")
+    unused: ClassVar[tuple[str, ...]] = (
+        *("column.head_mass", "column.restraint_stiffness", "column.second_moment"),
+        "steel.elastic_modulus",
+    )
     assumptions: ClassVar[tuple[str, ...]] = (
         "Inelastic collision with a third of the column's mass; restitution 1: the whole energy "
         "of the striker is absorbed.",
