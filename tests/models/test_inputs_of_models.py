@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import fields, replace
+from math import sqrt
 
 import pytest
 
 from workbench.evidence.advice import advised, doubts
+from workbench.evidence.error_model import truth_ratio
 from workbench.models import frame_model
 from workbench.models.base import Model
 from workbench.models.frame_model import FrameModel
@@ -60,7 +63,7 @@ FRAME = Frame(
 PATTERN = (Load("A1", x=1.0, y=-0.1, moment=0.1),)
 SCENARIOS: tuple[Scenario, ...] = (
     ColumnImpact("impact", COLUMN, Striker(1500.0, 12.0), 0.012),
-    ColumnPushover("push", COLUMN, 0.15),
+    ColumnPushover("push", COLUMN, 0.4),
     MemberPulse("pulse", COLUMN, Pulse("friedlander", 3e6, 0.01), duration=0.008),
     FrameStatic("static", FRAME, PATTERN, "A1", "x", (0.15, -0.2)),
     FrameImpact("hit", FRAME, FrameStriker(1500.0, 15.0, node="A", direction="+x"), 0.006),
@@ -72,6 +75,8 @@ SCENARIOS: tuple[Scenario, ...] = (
 VALUES = {
     "column.section": ["HEB 200"],
     "column.axial_load": [8e5],
+    "column.squash_load": [2.6e6],
+    "member.squash_load": [2.6e6],
     "member.section": ["HEB 200"],
     "steel.rate": ["S355"],
     "steel.hardening_modulus": [5e9],
@@ -95,6 +100,8 @@ WITHOUT_EFFECT = {
     "name": "a name",
     "steel.grade": "stands for the yield stress and the rate law beside it",
     "steel.thickness": "lowers the yield stress of a grade as it is read",
+    "pulse.times": "of tables alone, which the force of a pulse reads for all models",
+    "pulse.factors": "likewise",
     "node.name": "a name, by which other inputs call the node",
     "member.name": "a name",
     "joint.name": "a name, by which members call the joint",
@@ -187,3 +194,78 @@ def test_a_model_that_uses_the_input_is_named(thesis_impact) -> None:
     assert finding.text.startswith("column.head_mass = 500 kg is not used by this model")
     assert finding.remedy == "take flexible-superelement"
     assert any("column.head_mass" in doubt for doubt in doubts("single-dof", scenario))
+
+
+# -- a mass at the hit point ---------------------------------------------------------------------
+# one mass on 48 EI / L^3: under an impulse I the peak is I / (k m)^1/2, after a hit that of the
+# joined masses; the member adds 17/35 of its mass, and its webs deform by some percent
+
+SPREAD = ("flexible-superelement", "rigid-superelement", "giberson")
+BEAM = Column(find("HEB 180"), 2.5, 2.5, base="pinned", head="pinned", impact_mass=3000.0)
+
+
+def stiffness_and_mass(column: Column) -> tuple[float, float]:
+    p = column.properties
+    own = p.mass_per_length * column.length
+    stiffness = 48.0 * column.steel.elastic_modulus * p.second_moment / column.length**3
+    return stiffness, column.attached_mass + 17.0 / 35.0 * own
+
+
+def without_interval(scenario: Scenario, name: str) -> float:
+    """The peak of a model, of which no interval is told."""
+    model = make_model(name)
+    response = advised(model, scenario, model.simulate(scenario))
+    error = json.loads(response.attrs["error"])
+    assert error["low"] is None
+    assert error["reason"] == "errors were measured without a mass attached at the hit point"
+    assert not any(f.subject in ("error", "unused-input") for f in findings_of(response))
+    return float(response["peak_displacement"])
+
+
+@pytest.mark.parametrize("name", [*SPREAD, "biggs", "single-dof"])
+def test_an_impact_mass_moves_under_a_pulse(name: str) -> None:
+    pulse = Pulse("rectangular", 2e5, 0.004)
+    stiffness, mass = stiffness_and_mass(BEAM)
+    scenario = MemberPulse("heavy", BEAM, pulse, duration=0.15)
+    peak = pulse.whole / sqrt(stiffness * mass)
+    assert without_interval(scenario, name) == pytest.approx(peak, rel=0.07)
+
+
+@pytest.mark.parametrize("name", [*SPREAD, "biggs", "single-dof", "four-dof"])
+def test_an_impact_mass_is_joined_by_a_striker(name: str) -> None:
+    striker = Striker(300.0, 1.0)
+    stiffness, mass = stiffness_and_mass(BEAM)
+    scenario = ColumnImpact("joined", BEAM, striker, 0.3)
+    peak = striker.mass * striker.velocity / sqrt(stiffness * (striker.mass + mass))
+    assert without_interval(scenario, name) == pytest.approx(peak, rel=0.07)
+
+
+def test_dynamic_reactions_carry_no_force_of_the_attached_mass() -> None:
+    # a heavy mass moves slowly: the reactions are half of the spring's force each, not of the load
+    pulse = Pulse("rectangular", 2e5, 0.004)
+    scenario = MemberPulse("heavy", replace(BEAM, impact_mass=3e4), pulse, duration=0.15)
+    response = make_model("biggs").simulate(scenario)
+    reactions, force = response["reaction"].values, response["force"].values
+    assert abs(reactions.sum(axis=0) - force).max() < 0.02 * pulse.peak
+
+
+@pytest.mark.parametrize("name", ["flexible-superelement", "biggs"])
+def test_an_impact_mass_lighter_than_the_column_is_not_used_where_mass_is_spread(name) -> None:
+    own = BEAM.properties.mass_per_length * BEAM.length / 3.0
+    pulse = Pulse("rectangular", 2e5, 0.004)
+    light, plain = (
+        MemberPulse("light", replace(BEAM, impact_mass=mass), pulse, duration=0.05)
+        for mass in (0.5 * own, None)
+    )
+    answers = [make_model(name).simulate(each) for each in (light, plain)]
+    assert float(answers[0]["peak_displacement"]) == float(answers[1]["peak_displacement"])
+    assert any("column.impact_mass" in text for text in unused(answers[0]))
+    assert not unused(answers[1])
+
+
+def test_a_frame_is_not_told_an_interval_with_a_mass_at_the_hit_point(thesis_impact) -> None:
+    column = replace(thesis_impact.column, impact_mass=500.0)
+    frame = frame_scenario(replace(thesis_impact, column=column))
+    (hit,) = [node for node in frame.frame.nodes if node.name == "hit"]
+    assert hit.mass == pytest.approx(column.attached_mass)
+    assert truth_ratio(frame).reason.startswith("errors were measured without a mass")
