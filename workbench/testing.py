@@ -6,8 +6,9 @@ In a test suite: ``check_model(MyModel(), [scenario, ...])``.
 import dataclasses
 import json
 import pickle
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,8 @@ from workbench.models.base import Model, options_of, with_options
 from workbench.responses import Finding, Outcome, Response, check_response, findings_of, outcome_of
 from workbench.responses.variables import ENERGIES, TIMES
 from workbench.scenarios import Scenario, scenario_hash
+from workbench.scenarios.codec import Input
+from workbench.scenarios.varied import NO_VALUES, with_other_inputs
 
 ENERGY_TOLERANCE = 1e-6  # of the input energy
 
@@ -24,22 +27,29 @@ _SIGNATURE = ("model", "model_version", "options", "scenario", "scenario_hash", 
 
 
 def check_model(
-    model: Model, scenarios: Sequence[Scenario], energy_tolerance: float = ENERGY_TOLERANCE
+    model: Model,
+    scenarios: Sequence[Scenario],
+    energy_tolerance: float = ENERGY_TOLERANCE,
+    inputs: bool = True,
 ) -> None:
     """Hold a model to the contract, over scenarios of the kinds that it answers.
 
     Arguments: `model`; `scenarios`, at least one of which the model must answer with outcome ok;
-    `energy_tolerance`, largest error of the energy ledger over the input energy.
+    `energy_tolerance`, largest error of the energy ledger over the input energy; `inputs`, whether
+    every input of the first scenario of a kind must change its answer, or be named as `unused`.
     Raises AssertionError listing everything that is not kept.
     """
-    problems = problems_of(model, scenarios, energy_tolerance)
+    problems = problems_of(model, scenarios, energy_tolerance, inputs)
     if problems:
         name = getattr(model, "name", type(model).__name__)
         raise AssertionError(f"model {name} breaks the contract:\n- " + "\n- ".join(problems))
 
 
 def problems_of(
-    model: Model, scenarios: Sequence[Scenario], energy_tolerance: float = ENERGY_TOLERANCE
+    model: Model,
+    scenarios: Sequence[Scenario],
+    energy_tolerance: float = ENERGY_TOLERANCE,
+    inputs: bool = True,
 ) -> list[str]:
     """What a model does not keep of the contract, one sentence each (empty: it conforms)."""
     problems = list(_declaration(model))
@@ -65,9 +75,45 @@ def problems_of(
         problems.extend(f"{scenario.name}: {text}" for text in faults)
     if Outcome.OK not in outcomes:
         problems.append("answers none of the given scenarios with outcome ok")
-    if scenarios:
-        problems.extend(_foreign(model, scenarios[0]))
+    problems.extend(_foreign(model, scenarios[0]) if scenarios else ())
+    if inputs and not problems:
+        first = {scenario.KIND: scenario for scenario in reversed(scenarios)}
+        silent = [path for each in first.values() for path in ignored_inputs(model, each)]
+        problems.extend(
+            f"{path} changes nothing: use it, or name it in `unused`" for path in silent
+        )
     return problems
+
+
+def ignored_inputs(
+    model: Any, scenario: Any, values: Mapping[str, Sequence[Any]] = NO_VALUES
+) -> list[str]:
+    """Paths of inputs of a scenario that a model neither uses nor says that it does not.
+
+    With any other value, of `values` by path or one that its rule allows, numbers and outcome are
+    the same and no finding names it. Known are what the model calls `unused`, the length of the
+    record, masses and strain rates where nothing moves.
+    """
+    answer, used = model.simulate(scenario), dict[str, bool]()
+    declared = ("time.duration", *getattr(model, "unused", ()))
+    for each, other in with_other_inputs(scenario, values):
+        known = any(fnmatchcase(each.path, pattern) for pattern in declared)
+        known |= scenario.STATIC and (each.unit.startswith("kg") or each.path == "steel.rate")
+        known |= used.get(each.path, False)
+        used[each.path] = known or _differs(answer, model.simulate(other), each)
+    return [path for path, is_used in used.items() if not is_used]
+
+
+def _differs(answer: Response, other: Response, changed: Input) -> bool:
+    """Whether an answer with another input differs, or a finding of both names that."""
+    if outcome_of(answer) is not outcome_of(other) or not answer.equals(other):
+        return True
+    key = changed.path.rpartition(".")[2]
+    texts = " ".join(each.text for each in (*findings_of(answer), *findings_of(other)))
+    if f"{key} = " in texts or ("_" in key and key.replace("_", " ") in texts):
+        return True
+    new = {f.subject for f in findings_of(other)} - {f.subject for f in findings_of(answer)}
+    return any(set(key.split("_")) & set(subject.split("-")) for subject in new)
 
 
 def _declaration(model: Model) -> Iterator[str]:

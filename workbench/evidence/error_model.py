@@ -23,7 +23,7 @@ from workbench.models.base import options_of
 from workbench.models.strain_rate import feels_rate, steel_of
 from workbench.registry import make_model
 from workbench.responses import Response, survives
-from workbench.scenarios import MemberPulse
+from workbench.scenarios import FrameImpact, MemberPulse
 
 BEYOND = 0.10  # an error of the peak that matters
 WARNED = 0.10  # chance of it from which an answer is warned of
@@ -153,6 +153,13 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     table, steel = _table(scenario), steel_of(scenario)
     if steel is not None and steel.hardening_modulus is not None:
         return TruthRatio(np.empty(0), reason="errors were measured without hardening")
+    if isinstance(scenario, FrameImpact):
+        attached = scenario.frame.node(scenario.striker.node).mass
+    else:
+        attached = scenario.column.attached_mass
+    if attached > 0.0:
+        reason = "errors were measured without a mass attached at the hit point"
+        return TruthRatio(np.empty(0), reason=reason)
     rated = _rated(scenario)
     if rated is None and feels_rate(scenario):
         reason = f"errors of {scenario.KIND} were measured without strain rate"

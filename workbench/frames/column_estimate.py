@@ -43,9 +43,9 @@ class ColumnEstimate:
     frame without the column collapses (None: dead loads alone do that); collapse loads (N) of
     `frame_resistance` and `column_resistance` under a force in place of the striker (None:
     likewise); `bent`, largest moment of the dead loads at its ends over the plastic moment;
-    `hit_mass` (kg), point mass at the struck node; elastic flexibility (m/N) of frame and column
-    there, `yielding` (None of the frame: it moves without resistance); `softening` (N/m), what the
-    mechanism of the frame loses of its resistance to the dead loads per displacement there.
+    elastic flexibility (m/N) of frame and column there, `yielding` (None of the frame: it moves
+    without resistance); `softening` (N/m), what the mechanism of the frame loses of its resistance
+    to the dead loads per displacement there.
     """
 
     column: ColumnImpact
@@ -54,7 +54,6 @@ class ColumnEstimate:
     frame_resistance: float | None
     column_resistance: float | None
     bent: float
-    hit_mass: float
     yielding: tuple[float | None, float]
     softening: float
 
@@ -161,7 +160,6 @@ def estimate_column(scenario: FrameImpact, head_mass: str, head: str) -> ColumnE
         None if swaying is None else swaying.factor,
         collapse_factor(alone, [Load("hit", x=1.0)], alone.loads),
         bent,
-        frame.node(striker.node).mass,
         (_yielding(frame, strike), _yielding(alone, Load("hit", x=1.0)) or 0.0),
         0.0 if swaying is None else swaying.softening(frame, dead_load_state(frame).axial),
     )

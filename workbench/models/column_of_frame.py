@@ -181,10 +181,8 @@ def _with_bar(estimate: ColumnEstimate, limit: float | None) -> FrameImpact:
     assert isinstance(event, FrameImpact)
     column, frame = estimate.column.column, event.frame
     stiffness = column.restraint_stiffness
-    extra = estimate.hit_mass
-    nodes = [replace(n, mass=extra) if n.name == "hit" else n for n in frame.nodes]
     if stiffness == 0.0 or column.head == "fixed":
-        return replace(event, frame=replace(frame, nodes=tuple(nodes)))
+        return event
     modulus = frame.steel.elastic_modulus
     length = float(np.clip(BAR_AREA * modulus / stiffness, SHORTEST, LONGEST))
     # an axial wave takes as long along the bar as along the shorter segment
@@ -206,7 +204,7 @@ def _with_bar(estimate: ColumnEstimate, limit: float | None) -> FrameImpact:
         )
     except InputError as error:
         raise OutOfDomainError(f"no bar can stand for the restraint: {error}") from error
-    nodes = [replace(n, spring_y=0.0) if n.name == "head" else n for n in nodes]
+    nodes = [replace(n, spring_y=0.0) if n.name == "head" else n for n in frame.nodes]
     nodes.append(Node(ANCHOR, 0.0, column.length + length, support="clamped"))
     members = (*frame.members, bar)
     return replace(event, frame=replace(frame, nodes=tuple(nodes), members=members))

@@ -18,8 +18,9 @@ from workbench.models.resistance import OnCurve, column_curve, columns
 from workbench.models.resistance.columns import rows_of
 from workbench.models.resistance.kernels import displacement_at, residual, work_between
 from workbench.models.resistance.shapes import Rows, curve_of
-from workbench.responses import Finding, Response, build_response
+from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import ColumnImpact, ColumnScenario
+from workbench.scenarios.codec import set_inputs
 from workbench.scenarios.varied import spread, take
 
 
@@ -48,8 +49,8 @@ class EnergyEstimate(OnCurve):
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
-        """Findings of all models on a resistance curve."""
-        return columns.curve_findings(scenario, self.resistance)
+        """Findings of all models on a resistance curve; a restitution that is not used."""
+        return columns.curve_findings(scenario, self.resistance) + no_restitution(scenario)
 
     def stackable(self, scenario: ColumnScenario) -> bool:
         """Whether it answers such impacts in stacks."""
@@ -111,6 +112,14 @@ def absorb(rows: Rows, energies: Array, codes: Indices, peaks: Array, left: Arra
         else:
             peaks[i] = displacement_at(pieces, energies[i], lost)
             left[i] = residual(pieces, elastic_limit, peaks[i])
+
+
+def no_restitution(scenario: ColumnScenario) -> list[Finding]:
+    """Warning of a restitution between 0 and 1, which `energy_to_absorb` does not know."""
+    restitution = set_inputs(scenario).get("striker.restitution")
+    if restitution is None or restitution.value == 1.0:
+        return []
+    return [finding("unused-input", input=restitution)]
 
 
 def energy_to_absorb(scenario: ColumnImpact) -> float:

@@ -18,6 +18,7 @@ from workbench.frames.runs import OPEN_LEDGER, run_driven, run_impact, run_stati
 from workbench.frames.structure import FrameStructure
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
+from workbench.models.hit_mass import light_impact_mass
 from workbench.responses import Finding, Response, findings_of, set_findings
 from workbench.scenarios import (
     ColumnImpact,
@@ -135,7 +136,8 @@ class FrameModel(ABC, Declared, table="option"):
         if key not in kept:
             with linear_algebra().limit(limits=1):
                 kept[key] = member_findings(scenario)
-        return list(kept[key])
+        light = light_impact_mass(scenario) if isinstance(scenario, COLUMNS) else []
+        return [*kept[key], *light]
 
     def simulate(self, scenario: Scenario) -> Response:
         """Answer a static loading, an impact or a motion of the ground, of a frame or a column.

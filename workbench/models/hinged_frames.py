@@ -148,6 +148,7 @@ class Giberson(BarHinges):
 
     name: ClassVar[str] = "giberson"
     version: ClassVar[int] = 4
+    unused: ClassVar[tuple[str, ...]] = ("joint.*_resistance",)
     sources: ClassVar[tuple[str, ...]] = ("giberson1967", "heng2017")
     traits: ClassVar[Traits] = Traits(
         second_order=False,

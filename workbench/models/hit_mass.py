@@ -15,12 +15,15 @@ to bias and scatter, and where the argument is weak: docs/theory/hit-mass.md.
 """
 
 from math import pi, sqrt
+from typing import Any
 
 import numpy as np
 
 from workbench.fields import Choice
 from workbench.models.domain import mechanism_demand
+from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnImpact
+from workbench.scenarios.codec import set_inputs
 
 THESIS, WAVES = "thesis", "waves"
 HIT_MASS = Choice((THESIS, WAVES))
@@ -33,6 +36,14 @@ def with_hit_mass(scenario: ColumnImpact, rule: str) -> ColumnImpact:
         return scenario
     column = scenario.column.changed(impact_mass=wave_mass(scenario))
     return scenario.changed(column=column)
+
+
+def light_impact_mass(scenario: Any) -> list[Finding]:
+    """Warning of an impact mass that is less than a third of a column whose mass is spread."""
+    column, given = scenario.column, set_inputs(scenario).get("column.impact_mass")
+    own = column.properties.mass_per_length * column.length / 3.0
+    lighter = given is not None and given.value < 0.99 * own
+    return [finding("unused-input", input=given)] if lighter else []
 
 
 def wave_mass(scenario: ColumnImpact) -> float:

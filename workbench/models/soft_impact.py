@@ -216,6 +216,7 @@ class SoftImpact(OnCurve):
     name: ClassVar[str] = "soft-impact"
     version: ClassVar[int] = 6
     judged: ClassVar[bool] = False
+    unused: ClassVar[tuple[str, ...]] = ("column.head_mass", "striker.restitution")
     crushing: ClassVar[bool] = True
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (

@@ -94,6 +94,7 @@ class FiberReference(FrameModel):
     )
 
     judged: ClassVar[bool] = False
+    unused: ClassVar[tuple[str, ...]] = ("joint.axial_stiffness", "joint.*_resistance")
     crushing: ClassVar[bool] = True
     collision_halvings: ClassVar[int] = 5
     longer: ClassVar[float] = 1.0  # steps, where less is left of the waves
@@ -178,17 +179,9 @@ class FiberReference(FrameModel):
 def joint_findings(frame: Frame) -> list[Finding]:
     """What a rotational spring at the end of a fiber member leaves out of a joint."""
     used = {m.joint_start for m in frame.members} | {m.joint_end for m in frame.members}
-    left_out = {
-        "joint-moments": ("plastic_moment", "plastic_moment_negative"),
-        "joint-axial": ("axial_stiffness", "tension_resistance", "compression_resistance"),
-    }
-    findings = []
-    for key, options in left_out.items():
-        given = [j for j in frame.joints if any(getattr(j, name) is not None for name in options)]
-        names = [joint.name for joint in given if joint.name in used]
-        if names:
-            findings.append(finding(key, names=", ".join(names)))
-    return findings
+    strengths = {j.name: (j.plastic_moment, j.plastic_moment_negative) for j in frame.joints}
+    names = [name for name, each in strengths.items() if name in used and any(each)]
+    return [finding("joint-moments", names=", ".join(names))] if names else []
 
 
 def fiber_values(section: Section, steel: Steel, layers: int) -> dict[str, float]:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import tomli_w
 
-from workbench.errors import InputError
+from workbench.errors import InputError, shown
 from workbench.fields import Declared, Instance, Many, check_keys, path_of
 
 _ESCAPED = re.compile(r"[^ !#-\[\]-~]")  # quotes, backslashes, and what is not ASCII
@@ -36,6 +36,29 @@ class Place(NamedTuple):
     def among(self, tables: Mapping[str, Any]) -> bool:
         """Whether a file has this key."""
         return self.key in (tables.get(self.table, {}) if self.table else tables)
+
+
+class Input(NamedTuple):
+    """An input as a file has it: its `path` without names, ``node.mass``, its `name` with them.
+
+    And the `keys` that lead there, its `value`, `default` (the value itself: it has none), `rule`.
+    """
+
+    path: str
+    name: str
+    keys: tuple[str | int, ...]
+    value: Any
+    default: Any
+    rule: Any
+
+    def __str__(self) -> str:
+        value = f"{self.value:g}" if isinstance(self.value, float) else shown(self.value)
+        return f"{self.name} = {value} {self.unit}".rstrip()
+
+    @property
+    def unit(self) -> str:
+        """Its unit, if it has one."""
+        return getattr(self.rule, "unit", "")
 
 
 Made = Mapping[tuple[Any, str], Any]  # values of fields by their class and name
@@ -128,6 +151,40 @@ def dumped(key: str, value: Any) -> str:
         for name, each in table.items()
     ]
     return "".join([f"[{key}]\n", *lines] if table is value else lines)
+
+
+def set_inputs(whole: Declared) -> dict[str, Input]:
+    """Return the inputs of an object that are not at their defaults, by path: the first of many."""
+    found = [each for each in inputs_of(whole) if each.value != each.default]
+    return {each.path: each for each in reversed(found)}
+
+
+def inputs_of(part: Any, table: str = "", entry: tuple[Any, ...] = ()) -> Iterator[Input]:
+    """Return all inputs of an object; of one in an array of tables with its label and number."""
+    kind: Any = type(part)
+    for place in _places(kind, bool(entry)):
+        value, holder = getattr(part, place.field.name), table or place.table
+        if place.part:
+            yield from inputs_of(value) if value is not None else ()
+        elif place.entries:
+            array = place.entries.TABLE if place.table else place.key
+            for number, each in enumerate(value):
+                yield from inputs_of(each, array, (getattr(each, each.LABEL), number))
+        else:
+            path = f"{holder}.{place.key}" if holder else place.key
+            name = f"{holder}.{entry[0]}.{place.key}" if entry else path
+            keys = (holder, *entry[1:], place.key) if holder else (place.key,)
+            default = _defaults(kind).get(place.field.name, value)
+            yield Input(path, name, keys, value, default, place.rule)
+
+
+@cache
+def _defaults(kind: Any) -> dict[str, Any]:
+    """Default values of the fields of a class, as an object has them that is made of nothing."""
+    known = {field.name: field.default for field in dataclasses.fields(kind)}
+    if dataclasses.MISSING not in known.values():
+        return {name: getattr(kind(), name) for name in known}
+    return {name: value for name, value in known.items() if value is not dataclasses.MISSING}
 
 
 def label_of(entry: Mapping[str, Any], number: int) -> str:

@@ -70,7 +70,9 @@ class Column(MadeOfSteel, table="column"):
     squash_load: float | None = override("squash_load")
     mass_per_length: float | None = override("mass_per_length")
     impact_mass: float | None = checked(
-        Number(1e-3, 1e7, "kg"), optional=True, help="lumped at the hit point, else rho A L / 3"
+        Number(1e-3, 1e7, "kg"),
+        optional=True,
+        help="lumped at the hit point, else rho A L / 3; what is more is attached there",
     )
 
     def check(self) -> None:
@@ -98,6 +100,13 @@ class Column(MadeOfSteel, table="column"):
     def length(self) -> float:
         """Whole length, in m."""
         return self.length_below + self.length_above
+
+    @property
+    def attached_mass(self) -> float:
+        """Mass (kg) at the hit point beside the column's own, of which a third stands for it."""
+        properties = self.properties
+        own: float = properties.mass_per_length * self.length / 3.0
+        return max(0.0, properties.impact_mass - own)
 
     @cached_property
     def strength_section(self) -> Section:

@@ -237,12 +237,13 @@ def frame_of(column: Column) -> Frame:
     """Return a column as a frame: nodes base, hit and head, members below and above the hit point.
 
     Its axial load is a dead load on the head, its restraint a spring there. Members carry their
-    own mass: a column's `impact_mass`, meant for lumped models, has no place in a frame.
+    own mass; of an `impact_mass` the hit point has what is attached beside a third of that.
     """
     head = Node("head", 0.0, column.length, HEADS[column.head], column.head_mass)
     locked = "y" if column.head == "fixed" else "none"
     head = replace(head, spring_y=column.restraint_stiffness, locked=locked)
-    base, hit = Node("base", 0.0, 0.0, column.base), Node("hit", 0.0, column.length_below)
+    base, place = Node("base", 0.0, 0.0, column.base), (0.0, column.length_below)
+    hit = Node("hit", *place, mass=column.attached_mass)
     overrides = {name: getattr(column, name) for name in OVERRIDES}
     members = (
         Member("below", "base", "hit", column.section, **overrides),

@@ -4,9 +4,12 @@ A *stack* is a struck column whose numbers are arrays, a value per row: formulas
 answer all its rows at once. Sections, ends and laws are the same in all rows of a stack.
 """
 
+import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, overload
 
 import numpy as np
@@ -14,11 +17,11 @@ import pandas as pd
 
 from workbench.arrays import Array, Indices
 from workbench.errors import InputError
-from workbench.fields import Number
+from workbench.fields import Flag, Number
 from workbench.materials import Steel
-from workbench.scenarios.codec import values_beside
+from workbench.scenarios.codec import Input, inputs_of, values_beside
 from workbench.scenarios.column import Column, ColumnImpact, Striker
-from workbench.scenarios.files import KINDS, Scenario, scenario_from
+from workbench.scenarios.files import KINDS, Scenario, scenario_from, to_toml
 from workbench.scenarios.parts import OVERRIDES
 
 Path_ = tuple[str | int, ...]
@@ -67,6 +70,38 @@ class Varied(Sequence[Scenario]):
             return {} if kind is None else values_beside(kind, self.tables, varied)
         except InputError:  # each row says so
             return {}
+
+
+_SIZES = {  # of what is 0 or not given, by unit
+    **{"": 0.5, "kg": 500.0, "kg m2": 50.0, "kg/m": 100.0, "m": 0.05, "m2": 5e-3, "m4": 4e-5},
+    **{"N": 2e5, "N m": 1e5, "N/m": 1e7, "N m/rad": 1e6, "Pa": 1e9, "s": 0.05, "1/s": 10.0},
+}
+
+
+NO_VALUES: Mapping[str, Sequence[Any]] = MappingProxyType({})
+
+
+def with_other_inputs(
+    scenario: Any, values: Mapping[str, Sequence[Any]] = NO_VALUES
+) -> Iterator[tuple[Input, Scenario]]:
+    """Scenarios that differ from this one in a single input, with that.
+
+    Of each number, flag or choice, and of what has `values` by its path; none that is refused.
+    """
+    tables = tomllib.loads(to_toml(scenario))
+    for each in inputs_of(scenario):
+        for value in values.get(each.path) or _others(each.rule, each.value):
+            with suppress(InputError):
+                yield each, scenario_from(put(tables, each.keys, value))
+
+
+def _others(rule: Any, present: Any) -> list[Any]:
+    """Other values than the present one that a rule may allow."""
+    if isinstance(rule, Number):
+        return [1.3 * present, 0.7 * present] if present else [_SIZES.get(rule.unit)]
+    if isinstance(rule, Flag):
+        return [not present]
+    return [word for word in getattr(rule, "words", ()) if word != present]
 
 
 def put(part: Any, path: Path_, value: Any) -> Any:

@@ -23,6 +23,7 @@ from workbench.fields import checked
 from workbench.impact.pace import Pace
 from workbench.impact.records import follow
 from workbench.models.energy_estimate import energy_to_absorb
+from workbench.models.hit_mass import light_impact_mass
 from workbench.models.practice.deflected_shape import Stage, beam_of
 from workbench.models.practice.hand_estimate import AXIAL, AXIAL_HELP, SECTION, plastic_moment
 from workbench.models.resistance import Resistance, ResistanceCurve, mechanism_of
@@ -58,6 +59,7 @@ class Biggs(SingleDof):
 
     name: ClassVar[str] = "biggs"
     version: ClassVar[int] = 4
+    unused: ClassVar[tuple[str, ...]] = ("column.head_mass", "column.restraint_stiffness")
     crushing: ClassVar[bool] = False  # the energy says which mass is hit
     assumptions: ClassVar[tuple[str, ...]] = (
         "The member moves in the shape that its load makes statically, another one for each stage: "
@@ -65,7 +67,8 @@ class Biggs(SingleDof):
         "Flexure alone: the axial load lowers the plastic moment and does nothing else, there is "
         "no second-order work and no catenary action.",
         "A striker meets the mass of the stage to which its energy takes the member; one that is "
-        "given as the impact mass counts as it is.",
+        "given as the impact mass counts as it is, under a pulse what it is more than a third of "
+        "the member moves with the hit point.",
         "Elastic unloading with the initial stiffness; no shear, no local buckling, no strain-rate "
         "effect.",
     )
@@ -86,7 +89,8 @@ class Biggs(SingleDof):
         findings = super().domain(scenario)
         if self.direct_shear != NONE and getattr(scenario, "load", None) != UNIFORM:
             findings.append(finding("direct-shear-of-line-loads", kind=scenario.KIND))
-        return findings
+        light = light_impact_mass(scenario) if isinstance(scenario, MemberPulse) else []
+        return findings + light
 
     def stages(self, column: Column, uniform: bool = False) -> tuple[Stage, ...]:
         """Stages under a force at the hit point, or under a `uniform` line load."""
@@ -118,7 +122,10 @@ class Biggs(SingleDof):
         column, uniform = scenario.column, scenario.load == UNIFORM
         total = column.properties.mass_per_length * column.length
         stages, share = self.stages(column, uniform), _share(uniform)
-        masses = [share * stage.load_mass_factor * total for stage in stages]
+        masses = [
+            share * (stage.load_mass_factor * total + column.attached_mass / stage.load_factor)
+            for stage in stages
+        ]
         # a larger mass keeps the momentum, a smaller one the velocity
         carried = [min(1.0, m0 / m1) for m0, m1 in zip((masses[0], *masses), masses, strict=False)]
         moved = zip((stage.start for stage in stages), masses, carried, strict=True)
@@ -131,11 +138,13 @@ class Biggs(SingleDof):
         if not isinstance(scenario, MemberPulse):
             return super()._solve(scenario)
         stages = self.stages(scenario.column, scenario.load == UNIFORM)
+        attached = scenario.column.attached_mass / scenario.column.properties.mass_per_length
 
         def known(values: dict[str, Any]) -> dict[str, Any]:
             resisted = values["force"] / _share(scenario.load == UNIFORM)
             moved = values["displacement"], resisted, values["load"]
-            return {"reaction": dynamic_reactions(stages, scenario.load == UNIFORM, *moved)}
+            uniform = scenario.load == UNIFORM
+            return {"reaction": dynamic_reactions(stages, uniform, *moved, attached)}
 
         response = pulse_response(scenario, self.pushed(scenario), known)
         if self.direct_shear != NONE:
@@ -149,9 +158,16 @@ class Biggs(SingleDof):
 
 
 def dynamic_reactions(
-    stages: tuple[Stage, ...], uniform: bool, displacement: Array, force: Array, load: Array
+    stages: tuple[Stage, ...],
+    uniform: bool,
+    displacement: Array,
+    force: Array,
+    load: Array,
+    attached: float = 0.0,
 ) -> Array:
     """Reactions (2, times) of both supports, from resistance and load over time.
+
+    A mass at the hit point is as heavy as the `attached` length (m) of the member.
 
     Biggs 1964, section 5.3: inertia forces have the shape of the stage, and the moments at ends and
     hit point are those of the resistance. Both bars in equilibrium, vertically and about the
@@ -180,7 +196,7 @@ def dynamic_reactions(
                 [0.0, 0.0, hit - base, 0.0, -below * (at_below - base)],
                 [0.0, -1.0, 0.0, 1.0, -above],
                 [0.0, 0.0, 0.0, head - hit, -above * (head - at_above)],
-                [0.0, 0.0, 1.0, 1.0, 0.0],
+                [0.0, 0.0, 1.0, 1.0, attached],
             ]
         )
         pressed = line * np.array([hit - base, (hit - base) ** 2 / 2.0, head - hit])

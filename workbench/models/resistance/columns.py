@@ -31,7 +31,7 @@ from workbench.models.resistance.curve import (
 from workbench.models.resistance.given import GIVEN, NOTHING, PANEL, given_curve, is_given
 from workbench.models.resistance.shapes import RESISTANCES, Rows, resistance_curve
 from workbench.responses import Finding, finding
-from workbench.scenarios import Column, ColumnPushover, ColumnScenario, MemberPulse
+from workbench.scenarios import Column, ColumnPushover, ColumnScenario
 from workbench.scenarios.varied import spread
 
 
@@ -171,14 +171,12 @@ def curve_findings(scenario: ColumnScenario, shape: str) -> list[Finding]:
 
     Of the shape of panels those of the four-DOF column with them; a curve that is given may know
     shear, so that no bound of it is told.
-    Warning: a head mass, which a pulse moves here without. Refusal: a push beyond their reach.
+    Refusal: a push beyond their reach.
     """
     domain = FourDofShear().domain if shape == PANEL else member_findings
     domain = buckling_findings if is_given(shape) else domain
     findings = list(domain(scenario))
     column = scenario.column
-    if column.head_mass > 0.0 and isinstance(scenario, MemberPulse):
-        findings.append(finding("head-mass", head_mass=column.head_mass))
     if isinstance(scenario, ColumnPushover) and scenario.displacement > reach(column):
         findings.append(finding("reach", displacement=scenario.displacement, reach=reach(column)))
     return findings

@@ -201,6 +201,7 @@ def solid_column(
     for plate in supports.plates:
         mass[plate.turn] = nodal[plate.vertical] @ plate.places**2
     mass[supports.head] += column.head_mass
+    mass[supports.hit] += column.attached_mass
     return SolidAssembly(mesh, supports, column.steel, hardening_ratio, mass)
 
 

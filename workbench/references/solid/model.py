@@ -19,6 +19,7 @@ from workbench.frames.runs import OPEN_LEDGER
 from workbench.materials import Steel
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
+from workbench.models.hit_mass import light_impact_mass
 from workbench.references.fiber import override_findings
 from workbench.references.refine import (
     HALVED_STEPS,
@@ -134,6 +135,7 @@ class SolidPlaneStress(Declared, table="option"):
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Buckling under the axial load, and overrides that a solid cannot follow."""
         findings = [each for each in member_findings(scenario) if each.refusal]
+        findings += light_impact_mass(scenario)
         return findings + override_findings(frame_of(scenario.column), _values, "the solid comes")
 
     def simulate(self, scenario: Scenario) -> Response:
