@@ -170,6 +170,8 @@ def _residual(
     All that leaves something has happened once the `push` (steps,) and the plastic work are over.
     """
     time, moved, spent = record.column("at"), record.column("displacement"), record.dissipated
+    if isinstance(scenario, FrameImpact) and scenario.acceleration > 0.0:
+        return {"residual_displacement": None}, [finding("striker-rests")]
     if record.structure.is_column or still_grows(moved):
         return {}, []
     period = slowest_period(scenario.frame, node, direction)

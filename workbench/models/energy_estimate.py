@@ -41,6 +41,7 @@ class EnergyEstimate(OnCurve):
         "Restitution between: repeated impacts lose almost all that the first one leaves above "
         "the inelastic case, so its energy is taken (within 1 % for the thesis column at 10 to "
         "20 m/s).",
+        "A weight that goes along does work on all the way: resistance less weights absorbs.",
         "Elastic unloading with the initial stiffness gives the permanent displacement.",
         "No shear yielding but with resistance = panel, the static curve of "
         "`four-dof-shear`; no local buckling; strain rate by one factor.",
@@ -79,13 +80,16 @@ class EnergyEstimate(OnCurve):
         spring, given = (self.rotational_stiffness, self.resistance), self.given(scenario)
         curve = column_curve(column, *spring, self.interaction, given=given)
         energy = energy_to_absorb(with_hit_mass(scenario, self.hit_mass))
-        limit = columns.limit_of(curve, column)
-        if energy >= curve.work(limit):
+        limit, weights = columns.limit_of(curve, column), weights_of(scenario)
+        sag = columns.displacement_under(curve, column, scenario.dead_force)
+        if weights == 0.0 and energy >= curve.work(limit):
             raise columns.collapsed(curve, column, limit)
-        peak = curve.displacement_at(energy)
+        peak = curve.displacement_at(energy) if weights == 0.0 else columns.displacement_taking(
+            curve, column, energy, weights, sag
+        )
         shear, warnings = columns.reached(curve, column, peak)
         values: dict[str, Any] = {
-            "peak_displacement": peak,
+            "peak_displacement": peak - sag,
             "residual_displacement": curve.residual(peak),
             "input_energy": scenario.input_energy,
             "shear_utilisation": shear,
@@ -111,6 +115,11 @@ def absorb(rows: Rows, energies: Array, codes: Indices, peaks: Array, left: Arra
         else:
             peaks[i] = displacement_at(pieces, energies[i], lost)
             left[i] = residual(pieces, elastic_limit, peaks[i])
+
+
+def weights_of(scenario: ColumnImpact) -> float:
+    """Weight (N) along the strike of striker and column, which goes on with the hit point."""
+    return scenario.striker.mass * scenario.acceleration + scenario.dead_force
 
 
 def energy_to_absorb(scenario: ColumnImpact) -> float:

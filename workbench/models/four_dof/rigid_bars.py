@@ -15,6 +15,7 @@ from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
+from scipy.optimize import brentq
 
 from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, SolverError
@@ -29,7 +30,7 @@ from workbench.models.four_dof import equations, kinematics, march, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.strain_rate import FACTOR, RATE_LEVELS, check_bars, flows
-from workbench.responses import VARIABLES, Finding, Response, build_response, open_share
+from workbench.responses import VARIABLES, Finding, Response, build_response, finding, open_share
 from workbench.responses.histories import balance_error
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario
 from workbench.scenarios.varied import spread
@@ -253,14 +254,14 @@ class RigidBars(Answering):
         return build_response(values, steps=len(force), warnings=warnings, **_NAMES)
 
     def _impact(self, scenario: ColumnImpact) -> Response:
-        started = perf_counter()
+        started, weight = perf_counter(), scenario.dead_force
         scenario = with_hit_mass(scenario, self.hit_mass)
         error = np.inf
         for refinement in range(PACES):
-            bars, run = self._march(scenario, self.pace(scenario, refinement))
+            bars, run = self._march(scenario, self.pace(scenario, refinement), weight)
             records = run.histories
             values: dict[str, Any] = {n: h for n, h in records.items() if n in VARIABLES}
-            values["external_work"] = _dead_work(scenario.column, records)
+            values["external_work"] = records["external_work"] - records["external_work"][0]
             values["input_energy"] = scenario.input_energy
             balance = values["balance_error"] = np.asarray(balance_error(values, static=False))
             error = open_share(balance, scenario.input_energy, float(records["elastic"][0]))
@@ -273,22 +274,57 @@ class RigidBars(Answering):
         values["plastic_rotation"] = march.turned(bars, run.records)
         values |= run.peak(scenario.striker.rebounds)
         warnings = self._reached(scenario.column, values)
+        if scenario.acceleration > 0.0:
+            values["residual_displacement"] = None
+            warnings = [*warnings, finding("striker-rests")]
         response = build_response(values, time=records["time"], warnings=warnings, **_NAMES)
         response.attrs["solve_time"] = solved
         return response
 
-    def _march(self, scenario: ColumnImpact, pace: Pace) -> tuple[Any, Run]:
+    def _lie(self, column: Column, weight: float, bars: Any, state: Any) -> None:
+        """Bring the weight (N) at the hit point on, before spring and lock act; without a rate.
+
+        Writes weight and state of rest. Raises `CollapseError` where the column does not carry it.
+        """
+        still = replace(column, steel=replace(column.steel, rate=None, hardening_modulus=None))
+        table, q = self.table_of(still)
+        table["free_head"], table["spring"] = True, 0.0
+        work, records = np.zeros(1, statics.WORK)[0], np.zeros(2, statics.STATE)
+
+        def excess(v: float) -> float:
+            records[0]["q"] = q[0]
+            path = np.array([np.copysign(v, weight)])
+            status, *_ = statics.pushover(table[0], path, -inf, records, work)
+            return abs(float(records[1]["force"])) - abs(weight) if status == statics.OK else -1.0
+
+        most = 1e-6 * column.length
+        while excess(most) < 0.0:
+            most *= 2.0
+            if most > COLLAPSE_SIDEWAYS * column.length_below:
+                raise collapsed(bars, {"q": records[1]["q"], "time": 0.0})
+        excess(brentq(excess, 0.0, most, xtol=1e-15))
+        for name in ("q", "stress", "turn"):
+            state[name] = records[1][name]
+        state["plastic"][:, :4] = records[1]["plastic"]
+        bars["weight"], bars["sag"] = weight, state["q"][V]
+        if not self.spring_shares_load:
+            bars["unstressed"] = state["q"][U2]
+
+    def _march(self, scenario: ColumnImpact, pace: Pace, weight: float) -> tuple[Any, Run]:
         """The bars and the records of one run. Raises `SolverError` and `CollapseError`."""
         striker = scenario.striker
         table, q = self._bars_of(scenario.column)
         tables = self._tables(scenario.column)
         states, room = np.zeros(2, tables.state), np.zeros(1, tables.work)
         states["q"][0] = q
+        if weight:
+            self._lie(scenario.column, weight, table[0], states[0])
         if equations.along_tangent(table[0]):
             room["finish_below"] = march.NEARLY if pace.error < inf else march.CLOSELY
         drive = striker.mass, striker.velocity, striker.restitution, 0.0
         entry, given = _ENTRIES[self.integrator], (table, states, room)
-        run = follow(entry, given, pace, drive, march.RECORD, striker)
+        gravity = scenario.acceleration
+        run = follow(entry, given, pace, drive, march.RECORD, striker, gravity)
         if run.collapsed:
             raise collapsed(table[0], run.records[-1])
         return table[0], run
@@ -334,7 +370,7 @@ def _histories(column: Column, bars: Any, records: dict[str, Array]) -> dict[str
         shear = np.abs(stress[:, 1] - stress[:, 2]) / np.hypot(along, v)
     return {
         **slides,
-        "displacement": v,
+        "displacement": v - bars["sag"],
         "force": records["force"],
         "shortening": -u2,
         "dissipated": records["dissipated"],

@@ -8,6 +8,7 @@ between its points.
 """
 
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -117,6 +118,7 @@ def column_curve(
 
 
 SEGMENTS = ("below", "above")
+_PARTS = 1000  # of the way to collapse, in one of which an energy is taken
 _FLOWS = 1e-9  # of the elastic energy; round-off of an elastic push dissipates some 1e-15 of it
 _ROTATION = 0.5  # rad; small rotations change the force by about 7 % here
 _WORK = 0.10  # share by which a simplification may leave the analytic curve without a warning
@@ -131,6 +133,42 @@ def reach(column: Column) -> float:
 def limit_of(curve: ResistanceCurve, column: Column) -> float:
     """Displacement (m) at which the column has collapsed, or its `curve` ends."""
     return min(reach(column), curve.lost_at, curve.end)
+
+
+def displacement_under(curve: ResistanceCurve, column: Column, force: float) -> float:
+    """Displacement (m) at which the static resistance first reaches a force (N) of either sign.
+
+    Raises `CollapseError` or `OutOfDomainError`, as `collapsed` says.
+    """
+    if force == 0.0:
+        return 0.0
+    limit, size = limit_of(curve, column), abs(force)
+    ends = [0.0, *(float(v) for v in curve.starts[1:] if v < limit), limit]
+    for low, high in pairwise(ends):
+        if float(curve.force(high)) >= size:
+            reached = float(brentq(lambda v: float(curve.force(v)) - size, low, high))
+            return float(np.copysign(reached, force))
+    raise collapsed(curve, column, limit)
+
+
+def displacement_taking(
+    curve: ResistanceCurve, column: Column, energy: float, force: float, start: float
+) -> float:
+    """Displacement (m) at which the resistance less a `force` (N) has taken an `energy` (J).
+
+    It begins at the displacement `start` (m). Raises as `displacement_under`.
+    """
+    limit = limit_of(curve, column)
+
+    def taken(v: Any) -> Any:
+        return curve.work(v) - curve.work(start) - force * (v - start) - energy
+
+    at = np.append(np.linspace(start, limit, _PARTS), curve.starts)
+    at = np.unique(at[(at >= start) & (at <= limit)])
+    done = np.flatnonzero(taken(at) >= 0.0)
+    if not done.size:
+        raise collapsed(curve, column, limit)
+    return float(brentq(taken, at[done[0] - 1], at[done[0]]))
 
 
 def collapsed(

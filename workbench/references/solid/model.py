@@ -251,7 +251,7 @@ def _strike(scenario: ColumnImpact, solid: SolidAssembly, step: float) -> Respon
     """
     striker, states = scenario.striker, _States(solid)
     states.see()
-    hitting = PointMass.of(striker)
+    hitting = PointMass.of(scenario)
     spans = [(scenario.duration, scenario.duration / RECORDS)]
     rows = [(0.0, scenario.input_energy, striker.velocity, 0.0, 0.0, 0.0)]
     for taken in explicit_impact(solid, solid.supports.hit, hitting, spans, step):
