@@ -23,6 +23,7 @@ from workbench.responses import (
 )
 from workbench.responses.histories import implied, open_share, residual_over, still_grows
 from workbench.scenarios import (
+    ColumnImpact,
     FrameGroundMotion,
     FrameImpact,
     FramePulse,
@@ -171,7 +172,7 @@ def _residual(
     """
     time, moved, spent = record.column("at"), record.column("displacement"), record.dissipated
     if isinstance(scenario, FrameImpact) and scenario.acceleration > 0.0:
-        return {"residual_displacement": None}, [finding("striker-rests")]
+        return resting(scenario)
     if record.structure.is_column or still_grows(moved):
         return {}, []
     period = slowest_period(scenario.frame, node, direction)
@@ -182,6 +183,13 @@ def _residual(
     start = max(float(time[np.argmax(each >= share * each[-1])]) for each, share in shares)
     residual, warnings = residual_over(time, moved, start, period)
     return {"residual_displacement": residual}, warnings
+
+
+def resting(scenario: FrameImpact | ColumnImpact) -> tuple[dict[str, Any], list[Finding]]:
+    """No residual displacement, and why, of a striker that stays on the structure by its weight."""
+    if scenario.acceleration <= 0.0:
+        return {}, []
+    return {"residual_displacement": None}, [finding("striker-rests")]
 
 
 def _follow(record: Record, scenario: FrameScenario, steps: Iterator[Any]) -> None:

@@ -321,4 +321,5 @@ class SoftImpact(OnCurve):
         if error is not None and error > _BALANCE:
             raise SolverError("the energy balance", error, f"steps of {step:.2g} s")
         response.attrs["solve_time"] = solved
+        response.attrs |= {"dead_displacement": sag} if sag else {}
         return response

@@ -21,6 +21,7 @@ from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, SolverError
 from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.collapse import COLLAPSE_SIDEWAYS
+from workbench.frames.runs import resting
 from workbench.impact.pace import Pace
 from workbench.impact.records import Run, follow, followed, histories_of
 from workbench.models.base import Answering
@@ -30,7 +31,7 @@ from workbench.models.four_dof import equations, kinematics, march, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.strain_rate import FACTOR, RATE_LEVELS, check_bars, flows
-from workbench.responses import VARIABLES, Finding, Response, build_response, finding, open_share
+from workbench.responses import VARIABLES, Finding, Response, build_response, open_share
 from workbench.responses.histories import balance_error
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario
 from workbench.scenarios.varied import spread
@@ -273,12 +274,11 @@ class RigidBars(Answering):
         values |= _histories(scenario.column, bars, records)
         values["plastic_rotation"] = march.turned(bars, run.records)
         values |= run.peak(scenario.striker.rebounds)
-        warnings = self._reached(scenario.column, values)
-        if scenario.acceleration > 0.0:
-            values["residual_displacement"] = None
-            warnings = [*warnings, finding("striker-rests")]
+        residual, rests = resting(scenario)
+        warnings, values = [*self._reached(scenario.column, values), *rests], values | residual
         response = build_response(values, time=records["time"], warnings=warnings, **_NAMES)
         response.attrs["solve_time"] = solved
+        response.attrs |= {"dead_displacement": float(bars["sag"])} if weight else {}
         return response
 
     def _lie(self, column: Column, weight: float, bars: Any, state: Any) -> None:

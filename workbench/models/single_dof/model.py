@@ -227,6 +227,7 @@ class SingleDof(OnCurve):
         values |= _scalars(scenario, run, curve, sag)
         response = build_response(values, time=time, segments=columns.SEGMENTS, warnings=warnings)
         response.attrs["solve_time"] = solved
+        response.attrs |= {"dead_displacement": sag} if sag else {}
         return response
 
     def _pushover(self, scenario: ColumnPushover) -> Response:

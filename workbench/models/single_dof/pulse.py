@@ -189,4 +189,5 @@ def pulse_response(
         values |= further(values)
     response = build_response(values, time=time, segments=columns.SEGMENTS, warnings=warnings)
     response.attrs["solve_time"] = solved
+    response.attrs |= {"dead_displacement": sag} if sag else {}
     return response
