@@ -1,8 +1,8 @@
 """Gravity along a strike, held against closed forms: every model, columns and frames.
 
-A mass m that falls from h onto a spring k without mass goes down by d + (d^2 + 2 h d)^1/2, d = m g /
-k (Gere and Goodno, Mechanics of materials, 9.10): 20 kN that fall by 1 mm on a wooden beam, problem
-9.10-4, 4.46 mm by bending alone. A thrown mass that comes back is away for 2 v / g.
+A mass m that falls from h onto a spring k without mass goes down by d + (d^2 + 2 h d)^1/2 with
+d = m g / k (Gere and Goodno, Mechanics of materials, 9.10). Problem 9.10-4, 20 kN that fall by 1 mm
+on a wooden beam: 4.46 mm by bending alone. A mass that is thrown back is away for 2 v / g.
 """
 
 import json
@@ -16,6 +16,7 @@ import pytest
 from workbench.errors import InputError
 from workbench.evidence.error_model import expected_error
 from workbench.frames.structure import dead_loads
+from workbench.materials import Steel
 from workbench.models.batch import simulate_many
 from workbench.registry import make_model
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
@@ -37,15 +38,12 @@ from workbench.scenarios import (
     scenario_hash,
     to_toml,
 )
-from workbench.materials import Steel
 from workbench.scenarios.parts import GRAVITY
 from workbench.sections import find, square
 
 SIDE, LENGTH, MASS = 0.2804, 3.0, 2038.7
 WOOD = Steel(elastic_modulus=12e9, yield_stress=100e6)
-BEAM = Column(
-    square(SIDE), 1.5, 1.5, WOOD, base="pinned", head="pinned", mass_per_length=0.5
-)
+BEAM = Column(square(SIDE), 1.5, 1.5, WOOD, base="pinned", head="pinned", mass_per_length=0.5)
 STIFFNESS = 48.0 * 12e9 * SIDE**4 / 12.0 / LENGTH**3  # of bending, N/m
 LOW = sqrt(2.0 * GRAVITY * 1e-3)
 ONE = {"levels": 1}
@@ -135,7 +133,7 @@ SAG = 5.0 / 384.0 * 2000.0 * GRAVITY * LENGTH**4 / (STIFFNESS * LENGTH**3 / 48.0
 def test_a_member_that_lies_is_hit_where_its_weight_has_taken_it(
     name: str, least: float, most: float
 ) -> None:
-    """5 q L^4 / 384 EI, from which displacements count; the hit does not see it in an elastic one."""
+    """5 q L^4 / 384 EI, from which displacements count; an elastic hit does not see it."""
     lying = fall(2.0, column=HEAVY)
     response = answer(name, lying)
     assert least * SAG < response.attrs["dead_displacement"] < most * SAG
@@ -181,7 +179,9 @@ def test_hand_estimate_takes_the_weights_off_the_resistance() -> None:
     shared = scenario.input_energy * 5000.0 / (5000.0 + own / 3.0)
     left = p.plastic_moment - (5000.0 + own / 2.0) * GRAVITY
     assert peak("hand-estimate", scenario) == pytest.approx(shared / left, rel=1e-9)
-    plastic = peak("energy-estimate", scenario) / peak("energy-estimate", replace(scenario, gravity=False))
+    plastic = peak("energy-estimate", scenario) / peak(
+        "energy-estimate", replace(scenario, gravity=False)
+    )
     assert 1.3 < plastic < 2.0
     heavy = replace(scenario, striker=Striker(20_000.0, 1.0))
     response = make_model("hand-estimate").simulate(heavy)

@@ -17,6 +17,7 @@ from workbench.evidence.error_model import ExpectedError, anchor_error, expected
 from workbench.evidence.error_table import ANCHOR, FINEST, REFERENCE, table_of
 from workbench.frames.runs import LARGEST_SHEAR_STRAIN
 from workbench.models.base import Model
+from workbench.models.domain import unused_inputs
 from workbench.models.resistance import column_curve
 from workbench.models.strain_rate import with_strain_rate
 from workbench.registry import make_model
@@ -58,7 +59,6 @@ _BECAUSE = {  # subjects of warnings that a measured error replaces, as its caus
     "dead-moments": "dead loads bend the column",
     "restraint": "the frame gives way to the spring",
     "direct-shear": "webs yield in direct shear",
-    "head-mass": "the head mass is left out",
 }
 
 
@@ -224,8 +224,8 @@ def doubts(name: str, scenario: Any) -> tuple[str, ...]:
 
 
 def _beforehand(model: Model, scenario: Any) -> list[Finding]:
-    """What the domain of a model says, and whether the reference would shear too far."""
-    findings = list(model.domain(scenario))
+    """What the domain of a model says, what it does not use, whether the reference shears far."""
+    findings = [*model.domain(scenario), *unused_inputs(model, scenario)]
     if model.name != REFERENCE or not isinstance(scenario, ColumnImpact):
         return findings
     hit, largest = features(scenario), LARGEST_SHEAR_STRAIN

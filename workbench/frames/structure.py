@@ -219,35 +219,31 @@ def nodal_forces(frame: Frame, assembly: PlanarAssembly, loads: Sequence[Load]) 
     return forces
 
 
-@lru_cache(maxsize=64)
-def _node_masses(frame: Frame) -> dict[str, float]:
-    """Masses (kg) of the nodes of these names that no dead load weighs for."""
-    stood = frame.load_masses
-    return {n.name: max(n.mass - stood.get(n.name, 0.0), 0.0) for n in frame.nodes}
+def _counted(frame: Frame) -> list[Load]:
+    """What dead loads bring already of the weight of the masses of nodes, to be taken off."""
+    (x, y), stood = frame.gravity, frame.load_masses
+    masses = {node.name: -min(node.mass, stood.get(node.name, 0.0)) for node in frame.nodes}
+    return [Load(name, x=x * mass, y=y * mass) for name, mass in masses.items() if mass]
 
 
 @lru_cache(maxsize=64)
 def dead_loads(frame: Frame) -> tuple[Load, ...]:
     """Dead loads of a frame and, under gravity, its own weight, of members half at either end."""
-    if not any(frame.gravity):
+    (x, y), masses = frame.gravity, np.array([node.mass for node in frame.nodes])
+    if not x and not y:
         return frame.loads
     halves = 0.5 * frame.each("mass_per_length") * frame.lengths
-    masses = np.array(list(_node_masses(frame).values()))
     np.add.at(masses, frame.ends, halves[:, None])
-    x, y = frame.gravity
     pairs = zip(frame.nodes, masses.tolist(), strict=True)
-    return (*frame.loads, *(Load(node.name, x=x * m, y=y * m) for node, m in pairs))
+    own = (Load(node.name, x=x * mass, y=y * mass) for node, mass in pairs)
+    return (*frame.loads, *_counted(frame), *own)
 
 
 def own_weight(frame: Frame, assembly: PlanarAssembly) -> Array:
     """Forces (dofs,) of all masses under the gravity of the frame, but for which loads stand."""
-    if not any(frame.gravity):
-        return np.zeros(assembly.size)
     x, y = frame.gravity
     pull = x * rigid_displacement(assembly, "x") + y * rigid_displacement(assembly, "y")
-    stood = [(n.name, _node_masses(frame)[n.name] - n.mass) for n in frame.nodes]
-    loads = [Load(name, x=x * mass, y=y * mass) for name, mass in stood if mass]
-    return assembly.mass_times(pull) + nodal_forces(frame, assembly, loads)
+    return assembly.mass_times(pull) + nodal_forces(frame, assembly, _counted(frame))
 
 
 def stand_frame(
@@ -277,7 +273,9 @@ def stand_frame(
             assembly.add_mass(number, node.mass, node.rotary_inertia)
     if rotary_inertia is not None:
         assembly.add_rotary_inertia(rotary_inertia)
-    assembly.load = nodal_forces(frame, assembly, frame.loads) + own_weight(frame, assembly)
+    assembly.load = nodal_forces(frame, assembly, frame.loads)
+    if any(frame.gravity):
+        assembly.load += own_weight(frame, assembly)
     if np.any(assembly.load):
         apply_loads(assembly)
     for number, node in enumerate(frame.nodes):

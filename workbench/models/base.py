@@ -13,7 +13,7 @@ import numpy as np
 from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
 from workbench.fields import Declared, check_keys
 from workbench.frames.elastic import linear_algebra
-from workbench.models.domain import implausible
+from workbench.models.domain import implausible, unused_inputs
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import (
     VARIABLES,
@@ -38,11 +38,10 @@ M = TypeVar("M")
 class Model(Protocol):
     """Answers a scenario with a response; a frozen dataclass whose fields are its options.
 
-    `name` and `version` (raised when its numbers change) identify it; `answers` lists the
-    scenario kinds; `assumptions` are sentences for the report. A model that knows strain rate or
-    hardening by itself has a `material` that names them; the others run with the factor of
-    `with_strain_rate` on the yield stress. Optional: `crushing`, whether it answers strikers that
-    crush, with what they cost as its `contact_loss`; how it answers many, see `models.batch`.
+    `name` and `version` (raised when its numbers change) identify it; `answers` lists scenario
+    kinds; `assumptions` are sentences. A model that knows strain rate or hardening by itself has a
+    `material` that names them; others run with `with_strain_rate`. Optional: `crushing`, whether it
+    answers strikers that crush; `unused`, see `unused_inputs`; for many, see `models.batch`.
     """
 
     name: ClassVar[str]
@@ -88,7 +87,8 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
         warnings: list[Finding] = []
         refusals: list[Finding] = []
         solved, factor, left_out = with_strain_rate(model, scenario)
-        for each in (*model.domain(scenario), *implausible(scenario), *left_out):
+        left_out += [*implausible(scenario), *unused_inputs(model, scenario)]
+        for each in (*model.domain(scenario), *left_out):
             (refusals if each.refusal else warnings).append(each)
         striker = getattr(scenario, "striker", None)
         crushing = striker if striker is not None and striker.crushes else None

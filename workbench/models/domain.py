@@ -1,6 +1,7 @@
 """Where member models stop applying: loads, stability, plastic shear; input of odd size."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from fnmatch import fnmatchcase
 from math import pi
 from typing import Any
 
@@ -25,6 +26,7 @@ from workbench.scenarios import (
     MemberPulse,
     Scenario,
 )
+from workbench.scenarios.codec import set_inputs
 from workbench.scenarios.parts import MemberProperties
 from workbench.scenarios.pulse import UNIFORM
 
@@ -309,6 +311,21 @@ def implausible(scenario: Scenario) -> list[Finding]:
     if striker is not None and striker.velocity > _FAST and striker.mass >= _VEHICLE:
         findings.append(finding("fast-vehicle", striker.velocity, speed=3.6 * striker.velocity))
     return findings
+
+
+def unused_inputs(model: Any, scenario: Any) -> list[Finding]:
+    """Warnings of inputs that a scenario sets away from their default and the model does not use.
+
+    Its `unused` names them without names of parts, such as ``node.mass`` or ``column.*``; a model
+    without it uses all. What is static has no use for masses, whatever the model.
+    """
+    patterns = getattr(model, "unused", ())
+    return [
+        finding("unused-input", input=each)
+        for path, each in (set_inputs(scenario) if patterns else {}).items()
+        if any(fnmatchcase(path, pattern) for pattern in patterns)
+        and not (scenario.STATIC and each.unit.startswith("kg"))
+    ]
 
 
 def _sizes(scenario: Any) -> Iterator[tuple[str, float, float, float, str]]:

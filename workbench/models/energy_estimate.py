@@ -18,8 +18,9 @@ from workbench.models.resistance import OnCurve, column_curve, columns
 from workbench.models.resistance.columns import rows_of
 from workbench.models.resistance.kernels import displacement_at, residual, work_between
 from workbench.models.resistance.shapes import Rows, curve_of
-from workbench.responses import Finding, Response, build_response
+from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import ColumnImpact, ColumnScenario
+from workbench.scenarios.codec import set_inputs
 from workbench.scenarios.varied import spread, take
 
 
@@ -49,8 +50,8 @@ class EnergyEstimate(OnCurve):
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
-        """Findings of all models on a resistance curve."""
-        return columns.curve_findings(scenario, self.resistance)
+        """Findings of all models on a resistance curve; a restitution that is not used."""
+        return columns.curve_findings(scenario, self.resistance) + no_restitution(scenario)
 
     def stackable(self, scenario: ColumnScenario) -> bool:
         """Whether it answers such impacts in stacks."""
@@ -82,11 +83,16 @@ class EnergyEstimate(OnCurve):
         energy = energy_to_absorb(with_hit_mass(scenario, self.hit_mass))
         limit, weights = columns.limit_of(curve, column), weights_of(scenario)
         sag = columns.displacement_under(curve, column, scenario.dead_force)
-        if weights == 0.0 and energy >= curve.work(limit):
+
+        def taken(v: Any) -> Any:
+            return curve.work(v) - curve.work(sag) - weights * (v - sag) - energy
+
+        if weights:
+            peak = columns.first_where(curve, column, taken, sag)
+        elif energy >= curve.work(limit):
             raise columns.collapsed(curve, column, limit)
-        peak = curve.displacement_at(energy) if weights == 0.0 else columns.displacement_taking(
-            curve, column, energy, weights, sag
-        )
+        else:
+            peak = curve.displacement_at(energy)
         shear, warnings = columns.reached(curve, column, peak)
         values: dict[str, Any] = {
             "peak_displacement": peak - sag,
@@ -120,6 +126,14 @@ def absorb(rows: Rows, energies: Array, codes: Indices, peaks: Array, left: Arra
 def weights_of(scenario: ColumnImpact) -> float:
     """Weight (N) along the strike of striker and column, which goes on with the hit point."""
     return scenario.striker.mass * scenario.acceleration + scenario.dead_force
+
+
+def no_restitution(scenario: ColumnScenario) -> list[Finding]:
+    """Warning of a restitution between 0 and 1, which `energy_to_absorb` does not know."""
+    restitution = set_inputs(scenario).get("striker.restitution")
+    if restitution is None or restitution.value == 1.0:
+        return []
+    return [finding("unused-input", input=restitution)]
 
 
 def energy_to_absorb(scenario: ColumnImpact) -> float:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import tomli_w
 
-from workbench.errors import InputError
+from workbench.errors import InputError, shown
 from workbench.fields import Declared, Instance, Many, check_keys, path_of
 
 _ESCAPED = re.compile(r"[^ !#-\[\]-~]")  # quotes, backslashes, and what is not ASCII
@@ -36,6 +36,18 @@ class Place(NamedTuple):
     def among(self, tables: Mapping[str, Any]) -> bool:
         """Whether a file has this key."""
         return self.key in (tables.get(self.table, {}) if self.table else tables)
+
+
+class SetInput(NamedTuple):
+    """An input as a file has it: its `path`, such as ``node.A1.mass``, its `value` and `unit`."""
+
+    path: str
+    value: Any
+    unit: str
+
+    def __str__(self) -> str:
+        value = f"{self.value:g}" if isinstance(self.value, float) else shown(self.value)
+        return f"{self.path} = {value} {self.unit}".rstrip()
 
 
 Made = Mapping[tuple[Any, str], Any]  # values of fields by their class and name
@@ -128,6 +140,45 @@ def dumped(key: str, value: Any) -> str:
         for name, each in table.items()
     ]
     return "".join([f"[{key}]\n", *lines] if table is value else lines)
+
+
+def set_inputs(whole: Declared) -> dict[str, SetInput]:
+    """Return the inputs of an object that are set away from their defaults; kept with it.
+
+    By their paths without names, ``node.mass``: of many alike the first. What has no default
+    is none of them.
+    """
+    if "set" not in whole.kept:
+        whole.kept["set"] = dict(reversed([*_set_inputs(whole)]))
+    kept: dict[str, SetInput] = whole.kept["set"]
+    return kept
+
+
+def _set_inputs(part: Any, entry: str = "", label: str = "") -> Iterator[tuple[str, SetInput]]:
+    """Those of an object; of an `entry` of an array of tables with its label and a point."""
+    kind: Any = type(part)
+    defaults = _defaults(kind)
+    for place in _places(kind, bool(entry)):
+        value, name = getattr(part, place.field.name), place.field.name
+        if place.part:
+            yield from set_inputs(value).items() if value is not None else ()
+        elif place.entries:
+            table = place.entries.TABLE if place.table else place.key
+            for each in value:
+                yield from _set_inputs(each, table, f"{getattr(each, each.LABEL)}.")
+        elif value != defaults.get(name, value):
+            table = f"{entry or place.table}.".lstrip(".")
+            unit = getattr(place.rule, "unit", "")
+            yield f"{table}{place.key}", SetInput(f"{table}{label}{place.key}", value, unit)
+
+
+@cache
+def _defaults(kind: Any) -> dict[str, Any]:
+    """Default values of the fields of a class, as an object has them that is made of nothing."""
+    known = {field.name: field.default for field in dataclasses.fields(kind)}
+    if dataclasses.MISSING not in known.values():
+        return {name: getattr(kind(), name) for name in known}
+    return {name: value for name, value in known.items() if value is not dataclasses.MISSING}
 
 
 def label_of(entry: Mapping[str, Any], number: int) -> str:

@@ -30,7 +30,7 @@ MOST_POINTS = 50  # of a crush law
 STIFFNESS = Number(1.0, 1e12, "N/m")
 SENSES = {"horizontal": 0.0, "down": 1.0, "up": -1.0}  # of gravity along what acts so
 SENSE = Choice(tuple(SENSES))
-WEIGHS = "whether striker and structure weigh; by default where a striker or pulse comes down"
+WEIGHS = "whether all weighs; by default where a striker, or a pulse on a column, comes down"
 
 
 @dataclass(frozen=True)
@@ -214,28 +214,25 @@ class Weighed:
 
     def check(self) -> None:
         """Refuse gravity across what acts."""
-        if self.gravity and not self._sense:
+        if self.gravity and not self.acceleration:
             text = "must be down or up with gravity = true, which has no part in a horizontal one"
             advice = "a member that is hit from above lies: write down, or leave gravity out"
             raise self.refusal("direction", text, advice)  # type: ignore[attr-defined]
 
     @property
-    def _sense(self) -> float:
-        return SENSES[self.direction or "horizontal"]
-
-    @property
     def acceleration(self) -> float:
         """Gravity (m/s2) along what acts; 0 where it does not count, by default not upwards."""
-        counts = self._sense > 0.0 if self.gravity is None else self.gravity
-        return GRAVITY * self._sense * counts
+        sense = SENSES[self.direction or "horizontal"]
+        return GRAVITY * sense * (sense > 0.0 if self.gravity is None else self.gravity)
 
     @property
     def dead_force(self) -> float:
         """Weight (N) of the column that acts at its hit point, as two rigid bars bring it there."""
-        column = self.column
+        column, gravity = self.column, self.acceleration
+        if gravity == 0.0:
+            return 0.0
         own = column.properties.mass_per_length * column.length
-        attached = max((column.impact_mass or 0.0) - own / 3.0, 0.0)
-        return (0.5 * own + attached) * self.acceleration if self.acceleration else 0.0
+        return (0.5 * own + max((column.impact_mass or 0.0) - own / 3.0, 0.0)) * gravity
 
 
 @dataclass(frozen=True)

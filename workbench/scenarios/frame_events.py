@@ -138,8 +138,8 @@ class FrameImpact(Impact, Declared, table="time"):
     @property
     def acceleration(self) -> float:
         """Gravity (m/s2) along the flight of the striker."""
-        sign, axis = self.striker.direction
-        return float(f"{sign}1") * self.frame.gravity["xy".index(axis)]
+        pull = self.frame.gravity["xy".index(self.striker.direction[-1])]
+        return -pull if self.striker.direction.startswith("-") else pull
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ class FrameGroundMotion(Declared, table="ground"):
     gravity: bool | None = checked(Flag(), optional=True, path="gravity", help=WEIGHS)
 
     KIND: ClassVar[str] = "frame-ground-motion"
-    READING: ClassVar[int] = 1  # raised when what all models read off their histories changes
+    READING: ClassVar[int] = 2  # raised when what all models read off their histories changes
     STATIC: ClassVar[bool] = False
 
     def with_masses(self) -> "FrameGroundMotion":

@@ -17,6 +17,7 @@ Jean 1999; Acary 2013 for the two constraints.
 """
 
 from collections.abc import Iterator
+
 import numpy as np
 
 from workbench.arrays import Array

@@ -57,9 +57,9 @@ class PointMass:
         return cls(*blow, crushing=striker, gravity=gravity)
 
     def moved(self, dt: float, impulse: float, apart: float = 0.0) -> tuple["PointMass", float]:
-        """The striker after a time (s) in which a contact takes an `impulse` (N s), and the work (J).
+        """The striker after a time (s), and the work (J) of gravity on it.
 
-        Work of gravity; `apart` (kg m) as in `Trial`.
+        Contact takes an `impulse` (N s) and moves it `apart` (kg m), see `Trial`.
         """
         velocity = self.velocity + dt * self.gravity - impulse / self.mass
         way = 0.5 * dt * (self.velocity + velocity) - apart / self.mass

@@ -15,7 +15,6 @@ from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.optimize import brentq
 
 from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, SolverError
@@ -48,6 +47,7 @@ _ENTRIES = {
 _PUSH_STEP = 1.25e-4  # of the length, changes the static force by less than 0.02 %
 _SHORTEST_STEP = 1e-8  # s
 PACES = 5  # of which the next is taken where the ledger is open
+_TRIES = 100  # at the displacement under a weight
 _MOST_STEPS = 1_000_000  # of a record; all of it and what is made of it take some 1 GB
 _FIRST = 0.005  # step after an impact over the inverse of the axial frequency
 _FEWEST, _RECORDS = 50, 2000  # steps; parts of the duration that are recorded by themselves
@@ -290,22 +290,18 @@ class RigidBars(Answering):
         table, q = self.table_of(still)
         table["free_head"], table["spring"] = True, 0.0
         work, records = np.zeros(1, statics.WORK)[0], np.zeros(2, statics.STATE)
-
-        def excess(v: float) -> float:
-            records[0]["q"] = q[0]
-            path = np.array([np.copysign(v, weight)])
-            status, *_ = statics.pushover(table[0], path, -inf, records, work)
-            return abs(float(records[1]["force"])) - abs(weight) if status == statics.OK else -1.0
-
-        most = 1e-6 * column.length
-        while excess(most) < 0.0:
-            most *= 2.0
-            if most > COLLAPSE_SIDEWAYS * column.length_below:
-                raise collapsed(bars, {"q": records[1]["q"], "time": 0.0})
-        excess(brentq(excess, 0.0, most, xtol=1e-15))
+        records["q"][0], at = q[0], np.array([1e-6 * column.length])
+        for _ in range(_TRIES):  # forces grow nearly in proportion
+            statics.pushover(table[0], at, -inf, records, work)
+            force = float(records[1]["force"])
+            if abs(force - weight) <= 1e-10 * abs(weight):
+                break
+            at *= weight / force
+        else:
+            raise collapsed(bars, {"q": records[1]["q"], "time": 0.0})
+        state["plastic"][:, :4] = records[1]["plastic"]
         for name in ("q", "stress", "turn"):
             state[name] = records[1][name]
-        state["plastic"][:, :4] = records[1]["plastic"]
         bars["weight"], bars["sag"] = weight, state["q"][V]
         if not self.spring_shares_load:
             bars["unstressed"] = state["q"][U2]
@@ -341,7 +337,7 @@ def collapsed(bars: Any, state: Any) -> CollapseError:
     """How the column has collapsed in the last record of a run, the `state`."""
     lengths, reached, time = bars["lengths"], float(state["q"][V]), float(state["time"])
     left = np.array(march.chords(lengths, state["q"]))
-    turned = abs(reached) / np.minimum(lengths, left)
+    turned, reached = abs(reached) / np.minimum(lengths, left), reached - float(bars["sag"])
     if turned.max() > COLLAPSE_SIDEWAYS:
         bar = SEGMENTS[int(turned.argmax())]
         reason = f"the segment {bar} the hit point has turned, nine tenths of its length sideways"

@@ -16,7 +16,7 @@ import numpy as np
 from workbench.fields import Choice, checked
 from workbench.models.base import Answering
 from workbench.models.domain import member_findings
-from workbench.models.energy_estimate import energy_to_absorb, weights_of
+from workbench.models.energy_estimate import energy_to_absorb, no_restitution, weights_of
 from workbench.models.resistance import columns
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact
@@ -59,6 +59,7 @@ class HandEstimate(Answering):
     name: ClassVar[str] = "hand-estimate"
     version: ClassVar[int] = 1
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
+    unused: ClassVar[tuple[str, ...]] = ("column.head_mass", "column.restraint_stiffness")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Inelastic collision with a third of the column's mass; restitution 1: the whole energy "
         "of the striker is absorbed.",
@@ -71,8 +72,8 @@ class HandEstimate(Answering):
     sources: ClassVar[tuple[str, ...]] = ("biggs1964",)
 
     def domain(self, scenario: ColumnImpact) -> list[Finding]:
-        """Findings of all member models."""
-        return member_findings(scenario)
+        """Findings of all member models; a restitution that is not used."""
+        return member_findings(scenario) + no_restitution(scenario)
 
     def _solve(self, scenario: ColumnImpact) -> Response:
         column, striker = scenario.column, scenario.striker

@@ -50,6 +50,9 @@ class HardImpact(Answering):
     version: ClassVar[int] = 2
     crushing: ClassVar[bool] = True
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
+    unused: ClassVar[tuple[str, ...]] = (
+        *("column.head_mass", "striker.restitution", "striker.direction", "gravity"),
+    )
     assumptions: ClassVar[tuple[str, ...]] = (
         "All deformation is that of the striker, a linear spring of 300 kN/m unless given; the "
         "force that it makes on a rigid wall acts as a rectangular pulse.",

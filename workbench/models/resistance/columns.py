@@ -7,8 +7,8 @@ have no closed form, so that the curve is the push of the four-DOF column with p
 between its points.
 """
 
+from collections.abc import Callable
 from functools import lru_cache
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,7 @@ from workbench.models.resistance.curve import (
 from workbench.models.resistance.given import GIVEN, NOTHING, PANEL, given_curve, is_given
 from workbench.models.resistance.shapes import RESISTANCES, Rows, resistance_curve
 from workbench.responses import Finding, finding
-from workbench.scenarios import Column, ColumnPushover, ColumnScenario, MemberPulse
+from workbench.scenarios import Column, ColumnPushover, ColumnScenario
 from workbench.scenarios.varied import spread
 
 
@@ -118,7 +118,7 @@ def column_curve(
 
 
 SEGMENTS = ("below", "above")
-_PARTS = 1000  # of the way to collapse, in one of which an energy is taken
+_PARTS = 1000  # of the way to collapse, in which a displacement is looked for
 _FLOWS = 1e-9  # of the elastic energy; round-off of an elastic push dissipates some 1e-15 of it
 _ROTATION = 0.5  # rad; small rotations change the force by about 7 % here
 _WORK = 0.10  # share by which a simplification may leave the analytic curve without a warning
@@ -135,40 +135,27 @@ def limit_of(curve: ResistanceCurve, column: Column) -> float:
     return min(reach(column), curve.lost_at, curve.end)
 
 
-def displacement_under(curve: ResistanceCurve, column: Column, force: float) -> float:
-    """Displacement (m) at which the static resistance first reaches a force (N) of either sign.
+def first_where(
+    curve: ResistanceCurve, column: Column, excess: Callable[[Any], Any], start: float = 0.0
+) -> float:
+    """First displacement (m) from a `start` on at which an `excess` over it is not below 0.
 
     Raises `CollapseError` or `OutOfDomainError`, as `collapsed` says.
     """
-    if force == 0.0:
-        return 0.0
-    limit, size = limit_of(curve, column), abs(force)
-    ends = [0.0, *(float(v) for v in curve.starts[1:] if v < limit), limit]
-    for low, high in pairwise(ends):
-        if float(curve.force(high)) >= size:
-            reached = float(brentq(lambda v: float(curve.force(v)) - size, low, high))
-            return float(np.copysign(reached, force))
-    raise collapsed(curve, column, limit)
-
-
-def displacement_taking(
-    curve: ResistanceCurve, column: Column, energy: float, force: float, start: float
-) -> float:
-    """Displacement (m) at which the resistance less a `force` (N) has taken an `energy` (J).
-
-    It begins at the displacement `start` (m). Raises as `displacement_under`.
-    """
     limit = limit_of(curve, column)
-
-    def taken(v: Any) -> Any:
-        return curve.work(v) - curve.work(start) - force * (v - start) - energy
-
     at = np.append(np.linspace(start, limit, _PARTS), curve.starts)
     at = np.unique(at[(at >= start) & (at <= limit)])
-    done = np.flatnonzero(taken(at) >= 0.0)
+    done = np.flatnonzero(excess(at) >= 0.0)
     if not done.size:
         raise collapsed(curve, column, limit)
-    return float(brentq(taken, at[done[0] - 1], at[done[0]]))
+    return float(brentq(excess, at[max(done[0] - 1, 0)], at[done[0]]))
+
+
+def displacement_under(curve: ResistanceCurve, column: Column, force: float) -> float:
+    """Displacement (m) at which the resistance comes to a force (N); raises as `first_where`."""
+    size = abs(force)
+    reached = first_where(curve, column, lambda v: curve.force(v) - size) if size else 0.0
+    return float(np.copysign(reached, force))
 
 
 def collapsed(
@@ -209,14 +196,12 @@ def curve_findings(scenario: ColumnScenario, shape: str) -> list[Finding]:
 
     Of the shape of panels those of the four-DOF column with them; a curve that is given may know
     shear, so that no bound of it is told.
-    Warning: a head mass, which a pulse moves here without. Refusal: a push beyond their reach.
+    Refusal: a push beyond their reach.
     """
     domain = FourDofShear().domain if shape == PANEL else member_findings
     domain = buckling_findings if is_given(shape) else domain
     findings = list(domain(scenario))
     column = scenario.column
-    if column.head_mass > 0.0 and isinstance(scenario, MemberPulse):
-        findings.append(finding("head-mass", head_mass=column.head_mass))
     if isinstance(scenario, ColumnPushover) and scenario.displacement > reach(column):
         findings.append(finding("reach", displacement=scenario.displacement, reach=reach(column)))
     return findings

@@ -8,7 +8,7 @@ import hashlib
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -64,6 +64,8 @@ class Resistance(Choice):
 @dataclass(frozen=True)
 class OnCurve(Answering):
     """A model on a resistance curve, whose options are those of a mechanism."""
+
+    unused: ClassVar[tuple[str, ...]] = ("column.head_mass",)
 
     resistance: str = checked(
         Resistance(SHAPES),

@@ -40,10 +40,7 @@ from workbench.responses.histories import FORCE_WINDOW
 from workbench.responses.kernels import largest_window
 
 RECORD = np.dtype(
-    [
-        (name, float)
-        for name in (*COMMON, "force", "elastic", "dissipated", "plastic")
-    ]
+    [(name, float) for name in (*COMMON, "force", "elastic", "dissipated", "plastic")]
 )
 STATE = np.dtype(
     [

@@ -180,9 +180,7 @@ class SingleDof(OnCurve):
             return pulse_response(scenario, self.pushed(scenario))
         return self._impact(self.with_mass(scenario), scenario.dead_force)
 
-    def _march(
-        self, scenario: ColumnImpact, weight: float
-    ) -> tuple[Run, ResistanceCurve, float]:
+    def _march(self, scenario: ColumnImpact, weight: float) -> tuple[Run, ResistanceCurve, float]:
         """Follow one impact; its curve, and the displacement (m) under a `weight` (N) before.
 
         Raises `SolverError`, `OutOfDomainError`, `CollapseError`.

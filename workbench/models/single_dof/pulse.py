@@ -137,7 +137,8 @@ def push(
 ) -> tuple[Array, dict[str, Any]]:
     """Follow a column at rest under a pulse for `duration` (s): time (s) and values of a response.
 
-    Argument: its `weight` at the hit point (N), under which it lies. Raises `SolverError`, and `CollapseError` where the column collapses.
+    Argument: its `weight` at the hit point (N), under which it lies. Raises `SolverError`, and
+    `CollapseError` where the column collapses.
     """
     curve = pushed.curve
     lightest = min(mass for _, mass, _ in pushed.stages)

@@ -154,7 +154,8 @@ class SolidPlaneStress(Declared, table="option"):
     def _solve(self, scenario: ColumnPushover | ColumnImpact) -> Response:
         """Bring the axial load on with the column held straight; then push or strike it.
 
-        One that lies under its own weight is not held straight. From then on the restraint spring, unstressed, or the lock of a fixed head acts.
+        One that lies under its own weight is not held straight. From then on the restraint spring,
+        unstressed, or the lock of a fixed head acts.
         """
         column = scenario.column
         solid = solid_column(column, self.smallest_element, self.refinement, self.hardening_ratio)
