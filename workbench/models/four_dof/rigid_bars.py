@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.errors import Collapse, CollapseError, Mechanism, SolverError
+from workbench.errors import Collapse, CollapseError, Mechanism, OutOfDomainError, SolverError
 from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.collapse import COLLAPSE_SIDEWAYS
 from workbench.frames.runs import resting
@@ -47,7 +47,6 @@ _ENTRIES = {
 _PUSH_STEP = 1.25e-4  # of the length, changes the static force by less than 0.02 %
 _SHORTEST_STEP = 1e-8  # s
 PACES = 5  # of which the next is taken where the ledger is open
-_TRIES = 100  # at the displacement under a weight
 _MOST_STEPS = 1_000_000  # of a record; all of it and what is made of it take some 1 GB
 _FIRST = 0.005  # step after an impact over the inverse of the axial frequency
 _FEWEST, _RECORDS = 50, 2000  # steps; parts of the duration that are recorded by themselves
@@ -273,54 +272,29 @@ class RigidBars(Answering):
         solved = perf_counter() - started
         values |= _histories(scenario.column, bars, records)
         values["plastic_rotation"] = march.turned(bars, run.records)
-        values |= run.peak(scenario.striker.rebounds)
         residual, rests = resting(scenario)
-        warnings, values = [*self._reached(scenario.column, values), *rests], values | residual
+        values |= run.peak(scenario.striker.rebounds) | residual
+        warnings = [*self._reached(scenario.column, values), *rests]
         response = build_response(values, time=records["time"], warnings=warnings, **_NAMES)
-        response.attrs["solve_time"] = solved
-        response.attrs |= {"dead_displacement": float(bars["sag"])} if weight else {}
+        response.attrs |= {"solve_time": solved, "dead_displacement": float(bars["sag"])}
         return response
 
-    def _lie(self, column: Column, weight: float, bars: Any, state: Any) -> None:
-        """Bring the weight (N) at the hit point on, before spring and lock act; without a rate.
-
-        Writes weight and state of rest. Raises `CollapseError` where the column does not carry it.
-        """
-        still = replace(column, steel=replace(column.steel, rate=None, hardening_modulus=None))
-        table, q = self.table_of(still)
-        table["free_head"], table["spring"] = True, 0.0
-        work, records = np.zeros(1, statics.WORK)[0], np.zeros(2, statics.STATE)
-        records["q"][0], at = q[0], np.array([1e-6 * column.length])
-        for _ in range(_TRIES):  # forces grow nearly in proportion
-            statics.pushover(table[0], at, -inf, records, work)
-            force = float(records[1]["force"])
-            if abs(force - weight) <= 1e-10 * abs(weight):
-                break
-            at *= weight / force
-        else:
-            raise collapsed(bars, {"q": records[1]["q"], "time": 0.0})
-        state["plastic"][:, :4] = records[1]["plastic"]
-        for name in ("q", "stress", "turn"):
-            state[name] = records[1][name]
-        bars["weight"], bars["sag"] = weight, state["q"][V]
-        if not self.spring_shares_load:
-            bars["unstressed"] = state["q"][U2]
-
     def _march(self, scenario: ColumnImpact, pace: Pace, weight: float) -> tuple[Any, Run]:
-        """The bars and the records of one run. Raises `SolverError` and `CollapseError`."""
+        """The bars, under their `weight` (N), and the records of one run; raises as `simulate`."""
         striker = scenario.striker
-        table, q = self._bars_of(scenario.column)
-        tables = self._tables(scenario.column)
+        (table, q), tables = self._bars_of(scenario.column), self._tables(scenario.column)
         states, room = np.zeros(2, tables.state), np.zeros(1, tables.work)
         states["q"][0] = q
         if weight:
-            self._lie(scenario.column, weight, table[0], states[0])
+            steel = replace(scenario.column.steel, rate=None, hardening_modulus=None)
+            still = self.table_of(replace(scenario.column, steel=steel))
+            if not equations.lie(*still, weight, table, states):
+                raise OutOfDomainError("the column does not carry its own weight")
         if equations.along_tangent(table[0]):
             room["finish_below"] = march.NEARLY if pace.error < inf else march.CLOSELY
         drive = striker.mass, striker.velocity, striker.restitution, 0.0
         entry, given = _ENTRIES[self.integrator], (table, states, room)
-        gravity = scenario.acceleration
-        run = follow(entry, given, pace, drive, march.RECORD, striker, gravity)
+        run = follow(entry, given, pace, drive, march.RECORD, striker, scenario.acceleration)
         if run.collapsed:
             raise collapsed(table[0], run.records[-1])
         return table[0], run
