@@ -50,9 +50,7 @@ class HardImpact(Answering):
     version: ClassVar[int] = 2
     crushing: ClassVar[bool] = True
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
-    unused: ClassVar[tuple[str, ...]] = (
-        *("column.head_mass", "striker.restitution", "striker.direction", "gravity"),
-    )
+    unused: ClassVar[tuple[str, ...]] = ("column.head_mass", "striker.restitution")
     assumptions: ClassVar[tuple[str, ...]] = (
         "All deformation is that of the striker, a linear spring of 300 kN/m unless given; the "
         "force that it makes on a rigid wall acts as a rectangular pulse.",
@@ -82,6 +80,8 @@ class HardImpact(Answering):
             findings.append(
                 finding("soft-impact", needed / capacity, needed=needed, capacity=capacity)
             )
+        if scenario.acceleration:
+            findings.append(finding("unused-input", input="gravity"))
         if scenario.striker.crush is not None:
             findings.append(finding("one-stiffness"))
         return findings
