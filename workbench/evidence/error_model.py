@@ -23,7 +23,7 @@ from workbench.models.base import options_of
 from workbench.models.strain_rate import feels_rate, steel_of
 from workbench.registry import make_model
 from workbench.responses import Response, survives
-from workbench.scenarios import FrameImpact, MemberPulse
+from workbench.scenarios import FrameImpact, MemberPulse, frame_scenario
 
 BEYOND = 0.10  # an error of the peak that matters
 WARNED = 0.10  # chance of it from which an answer is warned of
@@ -150,6 +150,8 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     striker = getattr(scenario, "striker", None)
     if striker is not None and striker.crushes:
         return TruthRatio(np.empty(0), reason="errors were measured with rigid strikers")
+    if getattr(scenario, "acceleration", 0.0) or any(frame_scenario(scenario).frame.gravity):
+        return TruthRatio(np.empty(0), reason="errors were measured without gravity")
     table, steel = _table(scenario), steel_of(scenario)
     if steel is not None and steel.hardening_modulus is not None:
         return TruthRatio(np.empty(0), reason="errors were measured without hardening")

@@ -26,7 +26,7 @@ from workbench.errors import Collapse, CollapseError, CrumpledError, Mechanism, 
 from workbench.frames.column_line import column_line
 from workbench.frames.elastic import dead_load_state
 from workbench.frames.members import chains, named
-from workbench.frames.structure import FrameStructure, nodal_loads, upright_names
+from workbench.frames.structure import FrameStructure, dead_loads, nodal_loads, upright_names
 from workbench.responses import Finding, finding
 from workbench.scenarios import Frame, FrameImpact, Load, Member
 from workbench.structures.assembly import COMPONENTS, PlanarAssembly
@@ -153,14 +153,14 @@ def sway_collapse(scenario: FrameImpact) -> Array | None:
     the column, or at the struck joint. None if dead loads take none of its resistance.
     """
     frame, striker = scenario.frame, scenario.striker
-    if not frame.loads or striker.direction[-1] != "x":
+    if not dead_loads(frame) or striker.direction[-1] != "x":
         return None
     try:
         node = column_line(scenario).head
     except OutOfDomainError:
         node = striker.node
     push = Load(node, x=-1.0 if striker.direction.startswith("-") else 1.0)
-    mechanism = collapse_mechanism(frame, [push], frame.loads)
+    mechanism = collapse_mechanism(frame, [push], dead_loads(frame))
     if mechanism is None or not 0.0 < mechanism.factor < inf:
         return None
     work = mechanism.works(frame, dead_load_state(frame).axial)

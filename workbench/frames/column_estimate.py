@@ -17,6 +17,7 @@ from workbench.frames import out_of_domain
 from workbench.frames.collapse import collapse_factor, collapse_mechanism
 from workbench.frames.column_line import HEAD_MASSES, ColumnLine, column_line, mass_of_head
 from workbench.frames.elastic import ElasticFrame, dead_load_state
+from workbench.frames.structure import dead_loads
 from workbench.responses import Finding, finding
 from workbench.scenarios import (
     Column,
@@ -25,7 +26,7 @@ from workbench.scenarios import (
     FrameImpact,
     FrameStriker,
     Load,
-    frame_of,
+    frame_scenario,
 )
 from workbench.scenarios.parts import OVERRIDES
 
@@ -151,14 +152,14 @@ def estimate_column(scenario: FrameImpact, head_mass: str, head: str) -> ColumnE
     towards = -1.0 if striker.direction.startswith("-") else 1.0
     strike = Load(striker.node, **{striker.direction[-1]: towards})
     impact, line, axial, bent = _column(scenario, head_mass, head)
-    alone = frame_of(impact.column)
-    swaying = collapse_mechanism(frame, [strike], frame.loads)
+    alone = frame_scenario(impact).frame
+    swaying = collapse_mechanism(frame, [strike], dead_loads(frame))
     return ColumnEstimate(
         impact,
         line,
-        collapse_factor(frame, line.pull(1.0), (*frame.loads, *line.pull(axial)), line.rest),
+        collapse_factor(frame, line.pull(1.0), (*dead_loads(frame), *line.pull(axial)), line.rest),
         None if swaying is None else swaying.factor,
-        collapse_factor(alone, [Load("hit", x=1.0)], alone.loads),
+        collapse_factor(alone, [Load("hit", x=1.0)], dead_loads(alone)),
         bent,
         (_yielding(frame, strike), _yielding(alone, Load("hit", x=1.0)) or 0.0),
         0.0 if swaying is None else swaying.softening(frame, dead_load_state(frame).axial),
@@ -178,7 +179,7 @@ def column_like(scenario: FrameImpact) -> ColumnImpact | None:
 def _column_of_unit(frame: Frame, node: str, direction: str) -> ColumnImpact | None:
     """The column, the same for all strikers of a frame."""
     striker = FrameStriker(1.0, 1.0, node=node, direction=direction)
-    scenario = FrameImpact("unit", frame, striker, 1.0)
+    scenario = FrameImpact("unit", frame, striker, 1.0, any(frame.gravity))
     try:
         return _column(scenario, HEAD_MASSES[0], HEADS[0])[0]
     except OutOfDomainError:
@@ -218,11 +219,14 @@ def _column(
             column = replace(column, impact_mass=column.properties.impact_mass + extra)
     except InputError as error:
         raise OutOfDomainError(f"there is no such column: {error}") from error
+    sense = {"-y": "down", "+y": "up"}.get(scenario.striker.direction)
     impact = ColumnImpact(
         f"{scenario.name}: column {line.base} to {line.head}"[:120],
         column,
         scenario.striker.alone,
         scenario.duration,
+        sense,
+        bool(scenario.acceleration) if sense else None,
     )
     return impact, line, axial, bent
 
@@ -255,7 +259,7 @@ def _dead_state(line: ColumnLine) -> tuple[float, float]:
     """Axial force (N, tension positive) and end moment over plastic moment under dead loads."""
     frame = line.frame
     elastic = ElasticFrame(frame, springs=False)
-    moved = elastic.displacement(elastic.load(frame.loads))
+    moved = elastic.displacement(elastic.load(dead_loads(frame)))
     if moved is None:
         raise out_of_domain("moves-under-dead-loads")
     axial, moments = elastic.end_forces(moved)

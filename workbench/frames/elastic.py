@@ -17,7 +17,7 @@ from threadpoolctl import ThreadpoolController
 
 from workbench.arrays import Array
 from workbench.frames.members import chains, shear_stiffness
-from workbench.frames.structure import hinge_names, nodal_loads
+from workbench.frames.structure import dead_loads, hinge_names, nodal_loads
 from workbench.scenarios import Frame, FrameImpact, Load, Member
 from workbench.scenarios.parts import COMPONENT
 from workbench.structures.assembly import COMPONENTS
@@ -243,7 +243,7 @@ def dead_load_state(frame: Frame) -> DeadLoadState:
 @lru_cache(maxsize=64)
 def _dead_load_state(frame: Frame) -> DeadLoadState:
     elastic = ElasticFrame(frame, springs=False, parts=HALVES)
-    moved = None if elastic.is_mechanism else elastic.displacement(elastic.load(frame.loads))
+    moved = None if elastic.is_mechanism else elastic.displacement(elastic.load(dead_loads(frame)))
     if moved is None:
         return DeadLoadState(np.zeros(len(frame.members)), None)
     axial, _ = elastic.end_forces(moved)
@@ -310,7 +310,7 @@ def _slowest_period(frame: Frame, node: str, direction: str) -> float:
     elastic = ElasticFrame(frame, parts=HALVES)
     blow = elastic.load([Load(node, **{direction[-1]: 1.0})])
     periods, swings = elastic.vibrations(blow)
-    factor = dead_load_state(frame).factor if frame.loads else inf
+    factor = dead_load_state(frame).factor if dead_loads(frame) else inf
     softer = 1.0 if factor is None else sqrt(1.0 - 1.0 / factor)
     return float(periods[swings >= _FELT * swings.max(initial=0.0)].max(initial=0.0)) / softer
 

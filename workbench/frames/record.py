@@ -246,8 +246,10 @@ class Record:
 
     def diagnostics(self) -> dict[str, float | int]:
         """Numbers about the solution itself, for the attributes of a response."""
-        lengths = self.structure.members.elements.lengths
+        lengths, structure = self.structure.members.elements.lengths, self.structure
+        dead = float(self._sign * structure.start[self._dof])
         numbers = {
+            "dead_displacement": dead if any(structure.frame.gravity) else None,
             "elements": len(lengths),
             "smallest_element": float(lengths.min()),
             "newton_iterations": int(self.total("evaluations")[-1]),

@@ -24,6 +24,7 @@ from workbench.responses import (
 )
 from workbench.responses.histories import implied, largest_of, open_share, residual_over, unloaded
 from workbench.scenarios import (
+    ColumnImpact,
     FrameGroundMotion,
     FrameImpact,
     FramePulse,
@@ -172,6 +173,8 @@ def _residual(
     are over; none where that stays. Argument: the `place`, with node and direction.
     """
     time, moved, spent = record.column("at"), record.column("displacement"), record.dissipated
+    if isinstance(scenario, FrameImpact) and scenario.acceleration > 0.0:
+        return resting(scenario)
     if record.structure.is_column or not peak_of(time, moved):
         return {}, []
     begin = unloaded(push)
@@ -185,6 +188,13 @@ def _residual(
     starts = (float(time[np.argmax(each >= share * each[-1])]) for each, share in shares)
     residual, warnings = residual_over(time, moved, max(float(time[begin]), *starts), period)
     return {"residual_displacement": residual}, warnings
+
+
+def resting(scenario: FrameImpact | ColumnImpact) -> tuple[dict[str, Any], list[Finding]]:
+    """No residual displacement, and why, of a striker that stays on the structure by its weight."""
+    if scenario.acceleration <= 0.0:
+        return {}, []
+    return {"residual_displacement": None}, [finding("striker-rests")]
 
 
 def _follow(record: Record, scenario: FrameScenario, steps: Iterator[Any]) -> None:

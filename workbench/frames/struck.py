@@ -139,7 +139,7 @@ def strike(
     """
     striker = scenario.striker
     dof, sign = structure.dof(striker.node, striker.direction)
-    mass, calm, before = PointMass.of(striker), 0.0, 0.0
+    mass, calm, before = PointMass.of(scenario), 0.0, 0.0
     while True:
         view = structure.seen()
         record = kind(view, striker.node, striker.direction, scenario.duration)

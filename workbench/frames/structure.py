@@ -19,6 +19,7 @@ from workbench.scenarios.parts import COMPONENT
 from workbench.structures.assembly import COMPONENTS, PlanarAssembly
 from workbench.structures.elements import ElementGroup
 from workbench.structures.paths import apply_loads
+from workbench.structures.time_steps import rigid_displacement
 
 Whole = TypeVar("Whole")
 UPRIGHT = 1e-3  # run over rise of a member that counts as upright
@@ -218,6 +219,33 @@ def nodal_forces(frame: Frame, assembly: PlanarAssembly, loads: Sequence[Load]) 
     return forces
 
 
+def _counted(frame: Frame) -> list[Load]:
+    """What dead loads bring already of the weight of the masses of nodes, to be taken off."""
+    (x, y), stood = frame.gravity, frame.load_masses
+    masses = {node.name: -min(node.mass, stood.get(node.name, 0.0)) for node in frame.nodes}
+    return [Load(name, x=x * mass, y=y * mass) for name, mass in masses.items() if mass]
+
+
+@lru_cache(maxsize=64)
+def dead_loads(frame: Frame) -> tuple[Load, ...]:
+    """Dead loads of a frame and, under gravity, its own weight, of members half at either end."""
+    (x, y), masses = frame.gravity, np.array([node.mass for node in frame.nodes])
+    if not x and not y:
+        return frame.loads
+    halves = 0.5 * frame.each("mass_per_length") * frame.lengths
+    np.add.at(masses, frame.ends, halves[:, None])
+    pairs = zip(frame.nodes, masses.tolist(), strict=True)
+    own = (Load(node.name, x=x * mass, y=y * mass) for node, mass in pairs)
+    return (*frame.loads, *_counted(frame), *own)
+
+
+def own_weight(frame: Frame, assembly: PlanarAssembly) -> Array:
+    """Forces (dofs,) of all masses under the gravity of the frame, but for which loads stand."""
+    x, y = frame.gravity
+    pull = x * rigid_displacement(assembly, "x") + y * rigid_displacement(assembly, "y")
+    return assembly.mass_times(pull) + nodal_forces(frame, assembly, _counted(frame))
+
+
 def stand_frame(
     frame: Frame,
     coordinates: Array,
@@ -246,6 +274,8 @@ def stand_frame(
     if rotary_inertia is not None:
         assembly.add_rotary_inertia(rotary_inertia)
     assembly.load = nodal_forces(frame, assembly, frame.loads)
+    if any(frame.gravity):
+        assembly.load += own_weight(frame, assembly)
     if np.any(assembly.load):
         apply_loads(assembly)
     for number, node in enumerate(frame.nodes):

@@ -26,6 +26,7 @@ _LONGEST = 5.0  # section heights, of an element of a struck member where none a
 _NEIGHBOURS = 4  # elements of members that meet struck ones; one gives light hits 20 % too much
 _SHARED = 0.05  # of the energy, lost in a first collision with two elements
 _MOST_PARTS = 16
+_STRAIGHT = 1e-6  # m/s2 across a member that do not bend it
 
 
 @dataclass(frozen=True)
@@ -89,18 +90,19 @@ def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> tuple[
     modes, and bars are half as long. Joints at
     the far ends of struck members turn against the inertia of what meets them there, which one bar
     has at its ends alone: such members are `_NEIGHBOURS` bars. So do members beyond, by less: their
-    beam's own swinging needs a node between their ends. Members under a line load, which
-    acts at the ends of elements, are at least `FEWEST_LOADED`.
+    beam's own swinging needs a node between their ends. Members under a line load or their own
+    weight, which act at the ends of elements, are at least `FEWEST_LOADED`.
     """
-    frame = scenario.frame
+    frame, counts = scenario.frame, (1,) * len(scenario.frame.members)
     if isinstance(scenario, FrameImpact):
-        return _parts(frame, (scenario.striker.node,), scenario.striker.mass, multiple, far)
-    if not isinstance(scenario, FramePulse):
-        return (1,) * len(frame.members)
+        counts = _parts(frame, (scenario.striker.node,), scenario.striker.mass, multiple, far)
+    elif isinstance(scenario, FramePulse):
+        counts = _parts(frame, tuple(load.node for load in scenario.loads), inf, multiple, far)
     several = multiple * ceil(FEWEST_LOADED / multiple)
-    counts = _parts(frame, tuple(load.node for load in scenario.loads), inf, multiple, far)
-    pressed = [several if member.name in scenario.members else 1 for member in frame.members]
-    return tuple(map(max, counts, pressed))
+    (x, y), pressed = frame.gravity, getattr(scenario, "members", ())
+    bent = np.abs(frame.chords @ (-y, x)) > _STRAIGHT * frame.lengths  # by their own weight
+    loaded = bent | np.array([member.name in pressed for member in frame.members])
+    return tuple(np.maximum(counts, np.where(loaded, several, 1)).tolist())
 
 
 @lru_cache(maxsize=64)

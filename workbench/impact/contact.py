@@ -42,7 +42,7 @@ def may_touch(gap: float, gamma: float, dt: float, slack: float) -> bool:
 
 @njit(cache=True, error_model="numpy")
 def touch_velocity(striker: float, gamma: float, restitution: float) -> float:
-    """Velocity of the hit point at the end of a closed step, for the striker's as it is before P.
+    """Velocity of the hit point at the end of a closed step, for the striker's as it is without P.
 
     An open step is admissible if the hit point is at least as fast at its end.
     """
@@ -93,11 +93,11 @@ def contact_step_of(hit: Any, solve: Any, released: bool = True) -> Any:
     @uncounted
     def step(s, progress, dt, may):
         (place, speed), mass, law = hit(s), progress.mass, progress.crush
-        gamma = speed - progress.velocity
-        touch = touch_velocity(progress.velocity, gamma, progress.restitution)
+        gamma, free = speed - progress.velocity, progress.velocity + dt * progress.gravity
+        touch = touch_velocity(free, gamma, progress.restitution)
         closed, refused, striker = may and gamma <= APART * progress.approach, False, mass
         tries, crushes = 2 if may else 1, law.points > 0
-        start, speeds = progress.place - place, 2.0 * progress.velocity - speed
+        start, speeds = progress.place - place, progress.velocity + free - speed
         if crushes:
             law.crushed = max(law.crushed, start)
             wanted, striker, touch = crush_line(law, start, start - dt * gamma, dt, mass, speeds)
@@ -113,7 +113,7 @@ def contact_step_of(hit: Any, solve: Any, released: bool = True) -> Any:
                 reached = approach_at(start, dt, mass, speeds, impulse, end)
                 wanted, striker, touch = crush_line(law, start, reached, dt, mass, speeds)
                 if obeys(law, impulse, wanted, mass, progress.approach):
-                    lost = contact_loss(impulse, gamma, end - progress.velocity + impulse / mass)
+                    lost = contact_loss(impulse, gamma, end - free + impulse / mass)
                     return True, impulse, end, lost
                 closed = wanted > 0.0
                 continue
@@ -127,7 +127,7 @@ def contact_step_of(hit: Any, solve: Any, released: bool = True) -> Any:
             if done and accepts(fits, may, closed, refused):
                 left = 0.0
                 if closed:
-                    left = contact_loss(impulse, gamma, end - progress.velocity + impulse / mass)
+                    left = contact_loss(impulse, gamma, end - free + impulse / mass)
                 return True, impulse, end, left
             refused, closed = refused or done, not closed
         return False, 0.0, 0.0, 0.0
@@ -150,7 +150,7 @@ def moreau_step_of(hit: Any, drift: Any, push: Any, jump: Any) -> Any:
         if not done:
             return False, 0.0, 0.0, 0.0
         speed, mass = push(s, dt)
-        impulse, free = 0.0, speed - progress.velocity
+        impulse, free = 0.0, speed - progress.velocity - dt * progress.gravity
         if place - progress.place - 0.5 * dt * progress.velocity <= SLACK:
             impulse = explicit_percussion(free, gamma, progress.restitution, mass, striker)
         jump(s, impulse / mass, dt)

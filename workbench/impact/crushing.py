@@ -83,8 +83,9 @@ def mean_force(law, start, end):
 def crush_line(law, start, end, dt, mass, speeds):
     """Impulse (N s) of a step between two approaches (m), and the line on which it changes.
 
-    Arguments: `dt` of the step (s); `mass` of the striker; `speeds`, twice its velocity less that
-    of the hit point, both at the start (m/s). Result: impulse, m* (kg) and touch (m/s) of the line.
+    Arguments: `dt` of the step (s); `mass` of the striker; `speeds`, its velocity at the start and
+    without P at the end, less that of the hit point at the start (m/s). Result: impulse, m* (kg)
+    and touch (m/s) of the line.
     """
     force, slope = mean_force(law, start, end)
     softness = 2.0 / max(dt * dt * slope, 2.0 * _FLAT * mass)

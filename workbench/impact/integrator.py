@@ -71,6 +71,7 @@ DONE, NO_CONVERGENCE, COLLAPSE, TOO_MANY, GOING = range(5)
 PROGRESS = np.dtype(  # how far an impact has been followed, all that the integrator owns
     [
         *((name, float) for name in ("mass", "restitution", "place", "velocity")),  # of the striker
+        *(("gravity", float), ("weighed", float)),  # along the strike (m/s2); its work so far (J)
         ("crush", CRUSH),  # its law if it crushes
         ("contact_loss", float),  # energy lost in contact, or spent on crushing, so far, J
         ("approach", float),  # first velocity of the striker, m/s
@@ -91,9 +92,9 @@ PROGRESS = np.dtype(  # how far an impact has been followed, all that the integr
         ("smooth", bool),  # the last step was no impact: accelerations have a rate
     ]
 )
-COMMON = (  # columns of the records of all models, written here; kinetic energy with the striker
+COMMON = (  # columns of the records of all models, written here; energy and work with the striker
     *("time", "displacement", "velocity", "striker_velocity", "percussion"),
-    *("contact_loss", "kinetic"),
+    *("contact_loss", "kinetic", "external_work"),
 )
 DRIVE = len(Pace._fields) + 4  # numbers of a drive that the integrator reads
 
@@ -142,7 +143,7 @@ class Model(NamedTuple):
     `settle(s, dt) -> flow`: completes the trial (plastic flow); measure of flow for the controller.
     `accept(s, dt)`: the trial becomes the committed state. Only here committed sums may change.
     `write(s, records, n)`: the model's own columns of row n, of the committed state; `kinetic` is
-    that of the structure.
+    that of the structure, `external_work` that of its loads (both without the striker).
     `lost(s) -> bool`: collapse, asked after each accepted step.
     Optional: `mass(s)`, own mass (kg) of the hit point (0: none), and `kick(s, dv)`, a change of
     its velocity: for collisions at an instant. `close(s, progress, impulse) -> done`: after an
@@ -205,6 +206,7 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
         row.displacement, row.velocity = place, speed
         row.striker_velocity, row.contact_loss = progress.velocity, progress.contact_loss
         row.kinetic += 0.5 * progress.mass * progress.velocity**2
+        row.external_work += progress.weighed
         row.percussion, progress.carried = progress.carried, 0.0
         progress.recorded = progress.time
 
@@ -215,7 +217,7 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
         if dt <= least:
             return dt
         allowed = slack if instant else pace.error * progress.scale * dt
-        when = met(gap, gamma, end - progress.velocity, dt, allowed)
+        when = met(gap, gamma, end - progress.velocity - dt * progress.gravity, dt, allowed)
         return max(when, least) if when < dt else dt
 
     @uncounted
@@ -291,7 +293,7 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
             change = acceleration - progress.acceleration
             place1 = place + 0.5 * dt * (speed + end)
             struck = impulse > 0.0 and gamma < -slowest and not crushes
-            if crushes and impulse > 0.0:
+            if impulse > 0.0 and (crushes or progress.gravity != 0.0):
                 progress.error, progress.scale = pace.error, max(progress.scale, end)
             if struck:  # factor 0: the next step is as short as the first
                 progress.error = pace.error
@@ -318,8 +320,10 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
                     progress.time_of_peak = progress.time + rise
             accept(s, dt)
             if mass > 0.0:
-                progress.place += dt * (progress.velocity - 0.5 * impulse / mass)
-                progress.velocity -= impulse / mass
+                faster = dt * progress.gravity - impulse / mass
+                way = dt * (progress.velocity + 0.5 * faster)
+                progress.weighed += mass * progress.gravity * way
+                progress.place, progress.velocity = progress.place + way, progress.velocity + faster
             progress.carried += impulse
             progress.contact_loss += left
             progress.pushed, progress.release = impulse / dt, 0.0

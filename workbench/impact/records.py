@@ -63,14 +63,16 @@ def follow(
     drive: tuple[float, ...],
     of: Any,
     striker: Striker | None = None,
+    gravity: float = 0.0,
 ) -> Run:
     """Follow one impact by the compiled `entry` of a model.
 
     Arguments: the `tables` that it takes first; `pace`; the `drive` after it, see
-    `integrator.begin`; the type `of` its records; the `striker`, for the law by which it crushes.
-    Raises `SolverError`.
+    `integrator.begin`; the type `of` its records; the `striker`, for the law by which it crushes,
+    and the `gravity` (m/s2) along its flight. Raises `SolverError`.
     """
     progress, records = np.zeros(1, PROGRESS), np.empty(pace.records, of)
+    progress["gravity"] = gravity
     if striker is not None and striker.crushes:
         progress["crush"] = law_of(striker)
     status, rows = entry(*tables, np.array((*pace, *drive)), progress, records)

@@ -11,7 +11,7 @@ from workbench.frames.collapse import member_strength
 from workbench.frames.elastic import ElasticFrame, dead_load_state
 from workbench.frames.members import SHEAR_LOSS, shear_bound
 from workbench.frames.members import shear_findings as frame_shear_findings
-from workbench.frames.structure import free_to_spin
+from workbench.frames.structure import dead_loads, free_to_spin
 from workbench.hinges import ShearSurface
 from workbench.responses import Finding, finding
 from workbench.scenarios import (
@@ -51,7 +51,7 @@ def frame_findings(scenario: FrameScenario) -> list[Finding]:
     twisted = [p.node for p in (*frame.loads, *pattern) if p.moment and p.node in spinning]
     if twisted:
         findings.append(finding("moment-on-pins", node=twisted[0]))
-    elif frame.loads:
+    elif dead_loads(frame):
         findings += _dead_load_findings(frame)
     elif isinstance(scenario, FrameStatic) and ElasticFrame(frame).is_mechanism:
         findings.append(finding("mechanism"))

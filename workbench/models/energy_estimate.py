@@ -42,6 +42,7 @@ class EnergyEstimate(OnCurve):
         "Restitution between: repeated impacts lose almost all that the first one leaves above "
         "the inelastic case, so its energy is taken (within 1 % for the thesis column at 10 to "
         "20 m/s).",
+        "A weight that goes along does work on all the way: resistance less weights absorbs.",
         "Elastic unloading with the initial stiffness gives the permanent displacement.",
         "No shear yielding but with resistance = panel, the static curve of "
         "`four-dof-shear`; no local buckling; strain rate by one factor.",
@@ -80,13 +81,21 @@ class EnergyEstimate(OnCurve):
         spring, given = (self.rotational_stiffness, self.resistance), self.given(scenario)
         curve = column_curve(column, *spring, self.interaction, given=given)
         energy = energy_to_absorb(with_hit_mass(scenario, self.hit_mass))
-        limit = columns.limit_of(curve, column)
-        if energy >= curve.work(limit):
+        limit, weights = columns.limit_of(curve, column), weights_of(scenario)
+        sag = columns.displacement_under(curve, column, scenario.dead_force)
+
+        def taken(v: Any) -> Any:
+            return curve.work(v) - curve.work(sag) - weights * (v - sag) - energy
+
+        if weights:
+            peak = columns.first_where(curve, column, taken, sag)
+        elif energy >= curve.work(limit):
             raise columns.collapsed(curve, column, limit)
-        peak = curve.displacement_at(energy)
+        else:
+            peak = curve.displacement_at(energy)
         shear, warnings = columns.reached(curve, column, peak)
         values: dict[str, Any] = {
-            "peak_displacement": peak,
+            "peak_displacement": peak - sag,
             "residual_displacement": curve.residual(peak),
             "input_energy": scenario.input_energy,
             "shear_utilisation": shear,
@@ -112,6 +121,11 @@ def absorb(rows: Rows, energies: Array, codes: Indices, peaks: Array, left: Arra
         else:
             peaks[i] = displacement_at(pieces, energies[i], lost)
             left[i] = residual(pieces, elastic_limit, peaks[i])
+
+
+def weights_of(scenario: ColumnImpact) -> float:
+    """Weight (N) along the strike of striker and column, which goes on with the hit point."""
+    return scenario.striker.mass * scenario.acceleration + scenario.dead_force
 
 
 def no_restitution(scenario: ColumnScenario) -> list[Finding]:

@@ -211,7 +211,7 @@ class FrameModel(ABC, Declared, table="option"):
         """Time steps of an impact; the spans of explicit ones are the intervals of the record."""
         striker, assembly, spans = scenario.striker, structure.assembly, self.time_spans(scenario)
         dof, sign = structure.dof(striker.node, striker.direction)
-        mass = PointMass.of(striker)
+        mass = PointMass.of(scenario)
         if self.integrator == EXPLICIT:
             try:
                 lumped_mass(assembly)

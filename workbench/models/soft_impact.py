@@ -80,9 +80,10 @@ def step(s, progress, dt, may):
     """A leapfrog step."""
     now, new = s.states[0], s.states[1]
     mass, striker = now.mass, progress.mass
-    half = now.w + 0.5 * dt * (now.contact - now.force) / mass
+    half = now.w + 0.5 * dt * (now.contact + now.weight - now.force) / mass
     spring = spring_moved(one_mass.spring_of(now), now.v + dt * half, s.pieces)
-    new.x = now.x + dt * (progress.velocity - 0.5 * dt * now.contact / striker)
+    faster = dt * (progress.gravity - now.contact / striker)
+    new.x = now.x + dt * (progress.velocity + 0.5 * faster)
     approach, law = new.x - spring.v, progress.crush
     if law.points > 0:
         law.crushed = max(law.crushed, now.x - now.v)
@@ -92,7 +93,7 @@ def step(s, progress, dt, may):
         new.contact, new.crushed = crush(approach, now.crushed, s.stiffness, s.crush_force)
         lost = s.crush_force * (new.crushed - now.crushed) if new.crushed > now.crushed else 0.0
     one_mass.put(new, spring)
-    new.w = half + 0.5 * dt * (new.contact - spring.force) / mass
+    new.w = half + 0.5 * dt * (new.contact + now.weight - spring.force) / mass
     return True, 0.5 * dt * (now.contact + new.contact), new.w, lost
 
 
@@ -121,7 +122,8 @@ def impact(pieces, drive, progress, records):
     The stiffness is infinite, so that nothing is stored, where the striker crushes by its own law.
     """
     states, numbers = one_mass.at_rest(drive, pieces), drive[DRIVE:]
-    s = TwoMasses(states, pieces, numbers[1], numbers[3], numbers[4])
+    states[0].x = states[0].sag
+    s = TwoMasses(states, pieces, numbers[1], numbers[5], numbers[6])
     return _march(s, begin(drive, progress[0]), progress[0], records)
 
 
@@ -146,7 +148,7 @@ def read(records, given, numbers):
     """
     time, v, percussion = records["time"], records["displacement"], records["percussion"]
     numbers[0] = numbers[1] = np.nan
-    if percussion[-1] > 0.0 and records["striker_velocity"][-1] > 0.0:  # it still pushes
+    if percussion[-1] > 0.0 and records["striker_velocity"].min() > 0.0:  # it still pushes
         numbers[2] = np.nan
     else:
         numbers[2] = records["plastic"][-1]
@@ -187,7 +189,8 @@ def impacts(rows, strikes, spring, codes, numbers):
         drive = np.array(
             [
                 *(duration, length, length, np.inf, np.inf, np.inf, 1.001 * length, float(count)),
-                *(striker, velocity, 0.0, 0.0, elastic_limit, limit, mass, stiffness, force),
+                *(striker, velocity, 0.0, 0.0, elastic_limit, limit, mass, 0.0, 0.0),
+                *(stiffness, force),
             ]
         )
         if records.size < count + 4:
@@ -272,7 +275,7 @@ class SoftImpact(OnCurve):
         return Answers.of(codes, values, collapse)
 
     def _solve(self, scenario: ColumnImpact) -> Response:
-        started = perf_counter()
+        started, weight = perf_counter(), scenario.dead_force
         scenario = with_hit_mass(scenario, self.hit_mass)
         column, curve = scenario.column, self.curve(scenario)
         mass, striker = column.properties.impact_mass, scenario.striker
@@ -290,15 +293,16 @@ class SoftImpact(OnCurve):
         force = np.inf if self.crush_force is None else self.crush_force
         stiffness = np.inf if striker.crushes else self.striker_stiffness
         blow, limit = (striker.mass, striker.velocity, 0.0, 0.0), columns.limit_of(curve, column)
-        drive = *blow, curve.elastic_limit, limit, mass, stiffness, force
+        sag, gravity = columns.displacement_under(curve, column, weight), scenario.acceleration
+        drive = *blow, curve.elastic_limit, limit, mass, weight, sag, stiffness, force
         pace = Pace.equal(scenario.duration, step, count)
-        run = follow(impact, (curve.pieces,), pace, drive, one_mass.RECORD, striker)
+        run = follow(impact, (curve.pieces,), pace, drive, one_mass.RECORD, striker, gravity)
         records = run.records
         if run.collapsed:
             reached, when = float(records["displacement"][-1]), float(records["time"][-1])
             raise columns.collapsed(curve, column, reached, when)
         solved = perf_counter() - started
-        top = float(records["displacement"].max())
+        top = float(records["displacement"].max()) + sag
         shear, warnings = columns.reached(curve, column, top)
         values: dict[str, Any] = {
             **run.histories,
@@ -309,7 +313,7 @@ class SoftImpact(OnCurve):
         time, _ = values.pop("time"), values.pop("plastic")
         if shear is not None and self.resistance != PANEL:
             warnings += shear_warnings(column, dict(zip(columns.SEGMENTS, shear, strict=True)))
-        if records["percussion"][-1] > 0.0 and records["striker_velocity"][-1] > 0.0:
+        if records["percussion"][-1] > 0.0 and records["striker_velocity"].min() > 0.0:
             values |= dict.fromkeys(("peak_displacement", "time_of_peak", "residual_displacement"))
             if not signed_peak(records["time"], records["displacement"])[2]:
                 longer = float(np.pi * np.sqrt(striker.mass / loading))
@@ -319,4 +323,5 @@ class SoftImpact(OnCurve):
         if error is not None and error > _BALANCE:
             raise SolverError("the energy balance", error, f"steps of {step:.2g} s")
         response.attrs["solve_time"] = solved
+        response.attrs |= {"dead_displacement": sag} if sag else {}
         return response

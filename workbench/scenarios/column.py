@@ -11,6 +11,7 @@ from workbench.fields import Choice, Declared, Flag, Instance, Many, Number, Tex
 from workbench.materials import MadeOfSteel, Steel
 from workbench.scenarios.parts import (
     FORCE,
+    GRAVITY,
     LENGTH,
     SPRING,
     MemberProperties,
@@ -27,6 +28,9 @@ RESTITUTION = Number(0.0, 1.0)
 DURATION = Number(1e-9, 10.0, "s", advice="durations are in seconds")
 MOST_POINTS = 50  # of a crush law
 STIFFNESS = Number(1.0, 1e12, "N/m")
+SENSES = {"horizontal": 0.0, "down": 1.0, "up": -1.0}  # of gravity along what acts so
+SENSE = Choice(tuple(SENSES))
+WEIGHS = "whether all weighs; by default where a striker, or a pulse on a column, comes down"
 
 
 @dataclass(frozen=True)
@@ -210,6 +214,36 @@ class Impact:
         return changed
 
 
+class Weighed:
+    """What acts on a column in a `direction`, across it, with or without `gravity`."""
+
+    column: Column
+    direction: str | None
+    gravity: bool | None
+
+    def check(self) -> None:
+        """Refuse gravity across what acts."""
+        if self.gravity and not self.acceleration:
+            text = "must be down or up with gravity = true, which has no part in a horizontal one"
+            advice = "a member that is hit from above lies: write down, or leave gravity out"
+            raise self.refusal("direction", text, advice)  # type: ignore[attr-defined]
+
+    @property
+    def acceleration(self) -> float:
+        """Gravity (m/s2) along what acts; 0 where it does not count, by default not upwards."""
+        sense = SENSES[self.direction or "horizontal"]
+        return GRAVITY * sense * (sense > 0.0 if self.gravity is None else self.gravity)
+
+    @property
+    def dead_force(self) -> float:
+        """Weight (N) of the column that acts at its hit point, as two rigid bars bring it there."""
+        column, gravity = self.column, self.acceleration
+        if gravity == 0.0:
+            return 0.0
+        own = column.properties.mass_per_length * column.length
+        return (0.5 * own + max((column.impact_mass or 0.0) - own / 3.0, 0.0)) * gravity
+
+
 @dataclass(frozen=True)
 class ColumnPushover(Declared, table="pushover"):
     """Quasi-static push of the hit point by displacement control."""
@@ -232,13 +266,17 @@ class ColumnPushover(Declared, table="pushover"):
 
 
 @dataclass(frozen=True)
-class ColumnImpact(Impact, Declared, table="time"):
-    """A striker hits the column at rest."""
+class ColumnImpact(Impact, Weighed, Declared, table="time"):
+    """A striker hits the column at rest under its axial load, and its weight if it lies."""
 
     name: str = checked(Text(), path="name")
     column: Column = checked(Instance(Column))
     striker: Striker = checked(Instance(Striker))
     duration: float = checked(DURATION, 0.1)
+    direction: str | None = checked(
+        SENSE, optional=True, path="striker.direction", help="of its flight, horizontal by default"
+    )
+    gravity: bool | None = checked(Flag(), optional=True, path="gravity", help=WEIGHS)
 
     KIND: ClassVar[str] = "column-impact"
     READING: ClassVar[int] = 2  # raised when what all models read off their histories changes

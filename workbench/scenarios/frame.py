@@ -16,8 +16,10 @@ from workbench.errors import InputError
 from workbench.fields import Flag, Instance, Many, checked, did_you_mean
 from workbench.materials import MadeOfSteel, Steel
 from workbench.scenarios.parts import (
+    GRAVITY,
     LENGTH,
     PREDEFINED,
+    PULL,
     RIGID,
     Joint,
     Load,
@@ -31,7 +33,6 @@ from workbench.scenarios.parts import (
 )
 from workbench.sections import Section
 
-GRAVITY = 9.81  # m/s2
 ROUNDING = 1.0 - 1e-9  # a length that is computed from coordinates
 APART = 1e-6  # m; nodes closer than this are in one place
 FREE = 1e-6  # singular value of the support conditions below which a motion is free
@@ -66,13 +67,12 @@ class Frame(MadeOfSteel, table="frame"):
     loads: tuple[Load, ...] = checked(
         Many(Instance(Load)), (), help="dead loads that are brought on first and kept"
     )
-    joints: tuple[Joint, ...] = checked(
-        Many(Instance(Joint)), (), help="beside the predefined rigid and pinned"
-    )
+    joints: tuple[Joint, ...] = checked(Many(Instance(Joint)), (), help="beside rigid and pinned")
     steel: Steel = checked(Instance(Steel), Steel())
     fillets: bool = checked(
         Flag(), True, help="whether root fillets count in the strength (always in stiffness, mass)"
     )
+    gravity: tuple[float, ...] = checked(PULL, (0.0, 0.0), help="under which its own mass weighs")
 
     def check(self) -> None:
         """Refuse parts that do not fit together, do not hang together or are not held."""
@@ -322,11 +322,11 @@ def _check_supported(frame: Frame) -> None:
     Springs and locks act only once the dead loads are on, which the supports carry before.
     """
     centre, size = frame.points.mean(axis=0), frame.extent
-    rows = []
+    rows, loaded = [], frame.loads or any(frame.gravity)
     for node, (x, y) in zip(frame.nodes, (frame.points - centre) / size, strict=True):
         # what a motion of the whole does to each displacement of the node
         motion = {"u": (1.0, 0.0, -y), "v": (0.0, 1.0, x), "rotation": (0.0, 0.0, 1.0)}
-        held = set(node.held) if frame.loads else node.resisted
+        held = set(node.held) if loaded else node.resisted
         held -= set() if node.name in frame.turned else {"rotation"}
         rows += [row for component, row in motion.items() if component in held]
     # motion of the whole: displacement of the centre along x and y, rotation times extent
@@ -335,7 +335,7 @@ def _check_supported(frame: Frame) -> None:
     if len(free):
         can = _motion_text(free[0] / np.array([1.0, 1.0, size]), centre, size)
         how = "nothing holds it" if len(free) == 3 else f"it can {can}"
-        when = " under its dead loads, before springs and locks act" if frame.loads else ""
+        when = " under its dead loads, before springs and locks act" if loaded else ""
         text = f"the frame is not supported{when}: {how}"
         raise InputError("node.support", None, text, "add supports")
 

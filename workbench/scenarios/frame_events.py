@@ -11,6 +11,7 @@ from workbench.errors import InputError
 from workbench.fields import Choice, Declared, Flag, Instance, Many, Number, Text, checked
 from workbench.scenarios.column import (
     DURATION,
+    WEIGHS,
     Column,
     ColumnImpact,
     ColumnPushover,
@@ -19,7 +20,7 @@ from workbench.scenarios.column import (
 )
 from workbench.scenarios.frame import Frame
 from workbench.scenarios.frame_forms import FrameForm
-from workbench.scenarios.parts import COMPONENT, NAME, OVERRIDES, Load, Member, Node
+from workbench.scenarios.parts import COMPONENT, GRAVITY, NAME, OVERRIDES, Load, Member, Node
 from workbench.scenarios.pulse import UNIFORM, MemberPulse, Pulse
 
 MOTIONS = ("x", "y", "rotation", "-x", "-y", "-rotation")
@@ -64,12 +65,14 @@ class FrameStatic(Declared, table="push"):
     direction: str = checked(Choice(MOTIONS), help="of the displacement that is recorded")
     path: tuple[float, ...] = checked(TARGETS)
     control: str = checked(Choice(CONTROLS), "displacement")
+    gravity: bool | None = checked(Flag(), optional=True, path="gravity", help=WEIGHS)
 
     KIND: ClassVar[str] = "frame-static"
     STATIC: ClassVar[bool] = True
 
     def check(self) -> None:
         """Refuse loads, displacements and targets that the frame cannot have."""
+        _weigh(self)
         moves = False
         for load in self.loads:
             node = self.frame.node(load.node, f"pattern.{load.node}.node")
@@ -110,20 +113,33 @@ class FrameStatic(Declared, table="push"):
 
 @dataclass(frozen=True)
 class FrameImpact(Impact, Declared, table="time"):
-    """A striker hits a frame at rest under its dead loads."""
+    """A striker hits a frame at rest under its dead loads.
+
+    With `gravity` its own weight is among them, and the striker weighs.
+    """
 
     name: str = checked(Text(), path="name")
     frame: Frame = checked(FRAME)
     striker: FrameStriker = checked(Instance(FrameStriker))
     duration: float = checked(DURATION, 0.1)
+    gravity: bool | None = checked(Flag(), optional=True, path="gravity", help=WEIGHS)
 
     KIND: ClassVar[str] = "frame-impact"
     READING: ClassVar[int] = 3  # raised when what all models read off their histories changes
     STATIC: ClassVar[bool] = False
 
     def check(self) -> None:
-        """Refuse a strike where the frame is held."""
+        """Refuse a strike where the frame is held; it weighs if that comes down."""
+        if self.gravity is None and self.striker.direction == "-y":
+            object.__setattr__(self, "gravity", True)
+        _weigh(self)
         _check_motion(self.frame, self.striker)
+
+    @property
+    def acceleration(self) -> float:
+        """Gravity (m/s2) along the flight of the striker."""
+        pull = self.frame.gravity["xy".index(self.striker.direction[-1])]
+        return -pull if self.striker.direction.startswith("-") else pull
 
 
 @dataclass(frozen=True)
@@ -147,6 +163,7 @@ class FrameGroundMotion(Declared, table="ground"):
     load_as_mass: bool = checked(
         Flag(), False, help="whether nodes have the mass of their dead loads too"
     )
+    gravity: bool | None = checked(Flag(), optional=True, path="gravity", help=WEIGHS)
 
     KIND: ClassVar[str] = "frame-ground-motion"
     READING: ClassVar[int] = 2  # raised when what all models read off their histories changes
@@ -162,6 +179,7 @@ class FrameGroundMotion(Declared, table="ground"):
 
     def check(self) -> None:
         """Refuse a ground at rest and displacements that are held; take the duration."""
+        _weigh(self)
         if not any(self.acceleration):
             raise InputError("ground.acceleration", None, "must not be zero throughout")
         _check_motion(self.frame, self)
@@ -184,6 +202,7 @@ class FramePulse(Declared, table="pulse"):
         Many(NAME, different=True), (), help="that the line load (N/m) acts on"
     )
     duration: float = checked(DURATION, 0.1, path="time.duration")
+    gravity: bool | None = checked(Flag(), optional=True, path="gravity", help=WEIGHS)
 
     KIND: ClassVar[str] = "frame-pulse"
     READING: ClassVar[int] = 3  # raised when what all models read off their histories changes
@@ -191,6 +210,7 @@ class FramePulse(Declared, table="pulse"):
 
     def check(self) -> None:
         """Refuse a pulse on nothing, and nodes and members that are not there."""
+        _weigh(self)
         _check_motion(self.frame, self)
         for load in self.loads:
             self.frame.node(load.node, f"pattern.{load.node}.node")
@@ -215,6 +235,14 @@ def cyclic_path(amplitudes: Sequence[float], cycles: int = 1) -> tuple[float, ..
     rule = Many(Number(0.0, 1e9, low_included=False), 1, 1000)
     path = [(a, -a) for a in rule.check("amplitudes", amplitudes) for _ in range(count)]
     return (*(target for pair in path for target in pair), 0.0)
+
+
+def _weigh(scenario: Any) -> None:
+    """Let the frame of a scenario weigh if its `gravity` says so; else it does not."""
+    weighs = any(scenario.frame.gravity)  # that of a column that lies along y weighs along x
+    if weighs != bool(scenario.gravity):
+        pull = (0.0, 0.0) if weighs else (0.0, -GRAVITY)
+        object.__setattr__(scenario, "frame", scenario.frame.changed(gravity=pull))
 
 
 def _check_motion(
@@ -257,18 +285,23 @@ def frame_of(column: Column) -> Frame:
 def frame_scenario(
     scenario: FrameScenario | ColumnPushover | ColumnImpact | MemberPulse,
 ) -> FrameScenario:
-    """Return the frame scenario; a column becomes its two-member frame, acted on along +x."""
+    """Return the frame scenario; a column becomes its two-member frame, acted on along +x.
+
+    So gravity is along x where it counts: the frame of a column stands although that lies.
+    """
     if isinstance(scenario, FrameScenario):
         return scenario
-    frame, name = frame_of(scenario.column), scenario.name
+    frame, name, weighs = frame_of(scenario.column), scenario.name, None
+    if not isinstance(scenario, ColumnPushover) and scenario.acceleration:
+        frame, weighs = frame.changed(gravity=(scenario.acceleration, 0.0)), True
     if isinstance(scenario, ColumnImpact):
         striker = FrameStriker(*astuple(scenario.striker), node="hit", direction="+x")
-        return FrameImpact(name, frame, striker, scenario.duration)
+        return FrameImpact(name, frame, striker, scenario.duration, weighs)
     pattern = (Load("hit", x=1.0),)
     if isinstance(scenario, ColumnPushover):
         path = (scenario.displacement,)
         return FrameStatic(name, frame, pattern, "hit", "x", path, "displacement")
-    on: Any = {"loads": pattern}
+    on: Any = {"loads": pattern, "gravity": weighs}
     if scenario.load == UNIFORM:
-        on = {"members": ("below", "above")}
+        on = {"members": ("below", "above"), "gravity": weighs}
     return FramePulse(name, frame, scenario.pulse, "hit", "+x", duration=scenario.duration, **on)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from workbench.fields import Choice, Declared, Number, Text, checked
+from workbench.fields import Choice, Declared, Many, Number, Text, checked
 from workbench.materials import Steel
 from workbench.sections import SECTION, Section
 
@@ -16,6 +16,8 @@ COORDINATE = Number(-1e4, 1e4, "m", advice="coordinates are in metres, not milli
 LENGTH = Number(0.02, 100.0, "m", advice="lengths are in metres, not millimetres")
 FORCE, MOMENT = Number(-1e9, 1e9, "N"), Number(-1e9, 1e9, "N m")
 SPRING, ROTATIONAL_SPRING = Number(0.0, 1e14, "N/m"), Number(0.0, 1e14, "N m/rad")
+GRAVITY = 9.80665  # m/s2, standard acceleration of free fall
+PULL = Many(Number(-GRAVITY, GRAVITY, "m/s2"), 2, 2)
 OVERRIDES = {
     "area": Number(1e-6, 2.0, "m2", advice="areas are in m2: 91 cm2 is 91e-4"),
     "second_moment": Number(

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.arrays import Array
-from workbench.fields import Choice, Declared, Instance, Many, Number, Text, checked
-from workbench.scenarios.column import DURATION, Column
+from workbench.fields import Choice, Declared, Flag, Instance, Many, Number, Text, checked
+from workbench.scenarios.column import DURATION, SENSE, WEIGHS, Column, Weighed
 
 TABLE, POINT, UNIFORM = "table", "point", "uniform"
 PULSES = ("rectangular", "triangular", "exponential", "friedlander", "ramp", TABLE)
@@ -126,8 +126,8 @@ class Pulse(Declared, table="pulse"):
 
 
 @dataclass(frozen=True)
-class MemberPulse(Declared, table="time"):
-    """A pulse on a member, a `column` at rest under its axial load.
+class MemberPulse(Weighed, Declared, table="time"):
+    """A pulse on a member, a `column` at rest under its axial load, and its weight if it lies.
 
     Under a uniform load the hit point is where the displacement is recorded and where lumped
     models have their hinge.
@@ -143,6 +143,10 @@ class MemberPulse(Declared, table="time"):
         help="point: a force (N) on the hit point; uniform: a line load (N/m) on all the length",
     )
     duration: float = checked(DURATION, 0.1)
+    direction: str | None = checked(
+        SENSE, optional=True, path="pulse.direction", help="of the force, horizontal by default"
+    )
+    gravity: bool | None = checked(Flag(), optional=True, path="gravity", help=WEIGHS)
 
     KIND: ClassVar[str] = "member-pulse"
     READING: ClassVar[int] = 2  # raised when what all models read off their histories changes

@@ -236,7 +236,8 @@ def _same(scenario: Scenario) -> Any:
     column, steel = scenario.column, scenario.column.steel
     given = tuple(getattr(column, name) is None for name in (*OVERRIDES, "impact_mass"))
     laws = steel.rate, steel.hardening_modulus
-    return column.section, column.fillets, column.base, column.head, laws, given
+    ends = column.base, column.head, scenario.acceleration
+    return column.section, column.fillets, *ends, laws, given
 
 
 def _gathered(scenarios: Sequence[Any]) -> ColumnImpact:

@@ -94,7 +94,7 @@ def explicit_impact(
 
     acceleration = inverse * (assembly.load - assembly.resist(assembly.displacement))
     half = assembly.velocity - 0.5 * dt * acceleration
-    velocity, position = striker.velocity, striker.position
+    velocity, position = striker.velocity - 0.5 * dt * striker.gravity, striker.position
     origin = sign * float(assembly.displacement[dof])
     brought = striker.kinetic_energy + assembly.kinetic_energy()
     reference = brought + assembly.stored
@@ -102,10 +102,11 @@ def explicit_impact(
     done = 0
     for record in _records(spans, dt):
         total = loss = plastic = ideal = 0.0
-        begin = assembly.displacement
+        begin, start = assembly.displacement, position
         for _ in range(record - done):
             before = sign * float(half[dof]) - velocity
             half = half + dt * acceleration
+            velocity += dt * striker.gravity
             gap = sign * float(assembly.displacement[dof]) - origin - position
             impulse = 0.0
             if law["points"]:
@@ -130,8 +131,10 @@ def explicit_impact(
             assembly.commit(end)
         assembly.velocity = half + 0.5 * dt * acceleration
         assembly.stored = energies.stored
-        moving = replace(striker, velocity=velocity, position=position)
+        speed = velocity + 0.5 * dt * striker.gravity
+        moving = replace(striker, velocity=speed, position=position)
         external = float(assembly.load @ (assembly.displacement - begin))
+        external += striker.mass * striker.gravity * (position - start)
         next_half = half + dt * acceleration
         kinetic = 0.5 * float(np.sum(mass[free] * half[free] * next_half[free]))
         spent += plastic + loss - external

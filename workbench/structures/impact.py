@@ -17,7 +17,6 @@ Jean 1999; Acary 2013 for the two constraints.
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -142,14 +141,16 @@ class _Stepper:
     def _attempt(self, dt: float, closed: bool, gap: float, approach: float) -> Trial:
         """Solve one step with the contact closed or open; tell whether that was admissible."""
         striker, direction = self.striker, self._direction
-        touch = contact.touch_velocity(striker.velocity, approach, striker.restitution)
+        free = striker.velocity + dt * striker.gravity
+        touch = contact.touch_velocity(free, approach, striker.restitution)
         apart, pull = 0.0, None
         if closed:
             if direction is not None:
-                overlap = gap + 0.5 * dt * (approach + touch - striker.velocity)
+                overlap = gap + 0.5 * dt * (approach + touch - free)
                 apart = self._effective_mass * max(-overlap, 0.0)
             if apart > 0.0:  # the gap closes at the end of the step
-                touch = 2.0 * (striker.velocity - gap / dt) - self._along(self.assembly.velocity)
+                touch = striker.velocity + free - 2.0 * gap / dt
+                touch -= self._along(self.assembly.velocity)
             pull = Pull(self.dof, self.sign, striker.mass, touch)
         trial = self._solve(dt, pull)
         end = self._along(trial.velocity)
@@ -160,7 +161,7 @@ class _Stepper:
             return trial._replace(impulse=impulse, apart=apart, admissible=impulse >= 0.0)
         admissible = end >= touch
         if direction is not None:
-            mean = 0.5 * (self._along(self.assembly.velocity) + end) - striker.velocity
+            mean = 0.5 * (approach + end - free)
             apart_still = gap + dt * mean >= 0.0
             admissible = apart_still and (gap > 0.0 or admissible)
         return trial._replace(admissible=admissible)
@@ -186,6 +187,7 @@ class _Stepper:
         law, mass, start, evaluations = self._law, self.striker.mass, -self.gap, 0
         law["crushed"] = max(law["crushed"], start)
         speeds, reached = self.striker.velocity - approach, start - dt * approach
+        speeds += dt * self.striker.gravity
         self._longest = max(self._longest, dt)
         wanted, lighter, touch = crush_line(law, start, reached, dt, mass, speeds)
         for _ in range(TRIES):
@@ -217,13 +219,11 @@ class _Stepper:
             spent = step.energies.algorithmic + self._spent_moving_apart(trial)
             energies = step.energies._replace(algorithmic=spent)
             step = step._replace(energies=energies, kinetic=assembly.kinetic_energy())
-        velocity = striker.velocity - trial.impulse / striker.mass
-        departure = self._along(trial.velocity) - velocity
-        position = striker.position + 0.5 * dt * (striker.velocity + velocity)
-        position -= trial.apart / striker.mass
-        self.striker = replace(striker, velocity=velocity, position=position)
+        self.striker, work = striker.moved(dt, trial.impulse, trial.apart)
+        departure = self._along(trial.velocity) - self.striker.velocity
         loss = contact.contact_loss(trial.impulse, approach, departure)
-        return step._replace(striker=self.striker, impulse=trial.impulse, contact_loss=loss)
+        step = step._replace(external_work=step.external_work + work, contact_loss=loss)
+        return step._replace(striker=self.striker, impulse=trial.impulse)
 
     def _spent_moving_apart(self, trial: Trial) -> float:
         """Energy (J) lost where Psi moves the structure: the work of the forces on the way.

@@ -12,7 +12,7 @@ input energy -r . M (x1 - x0) a (Uang and Bertero 1990, relative energy).
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import ceil
 from typing import NamedTuple
@@ -21,7 +21,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import SolverError
-from workbench.scenarios import Striker
+from workbench.scenarios import ColumnImpact, FrameImpact, Striker
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import StepEnergies
 from workbench.structures.equilibrium import Solution, newton, pieces
@@ -39,7 +39,7 @@ class PointMass:
 
     Velocity and position are along the strike, the position from where the struck dof is when the
     record starts: 0 is first contact, and less is farther away. `crushing`: the striker of a
-    scenario, for its law (None: rigid).
+    scenario, for its law (None: rigid); `gravity` along the strike (m/s2).
     """
 
     mass: float
@@ -47,11 +47,24 @@ class PointMass:
     restitution: float = 0.0
     position: float = 0.0
     crushing: Striker | None = None
+    gravity: float = 0.0
 
     @classmethod
-    def of(cls, striker: Striker) -> "PointMass":
+    def of(cls, scenario: ColumnImpact | FrameImpact) -> "PointMass":
         """The striker of a scenario at first contact."""
-        return cls(striker.mass, striker.velocity, striker.restitution, crushing=striker)
+        striker, gravity = scenario.striker, scenario.acceleration
+        blow = striker.mass, striker.velocity, striker.restitution
+        return cls(*blow, crushing=striker, gravity=gravity)
+
+    def moved(self, dt: float, impulse: float, apart: float = 0.0) -> tuple["PointMass", float]:
+        """The striker after a time (s), and the work (J) of gravity on it.
+
+        Contact takes an `impulse` (N s) and moves it `apart` (kg m), see `Trial`.
+        """
+        velocity = self.velocity + dt * self.gravity - impulse / self.mass
+        way = 0.5 * dt * (self.velocity + velocity) - apart / self.mass
+        moved = replace(self, velocity=velocity, position=self.position + way)
+        return moved, self.mass * self.gravity * way
 
     @property
     def kinetic_energy(self) -> float:
@@ -62,7 +75,7 @@ class PointMass:
 class TimeStep(NamedTuple):
     """A committed time step.
 
-    `length` of it in s; `energies` of the structure; `external_work` of the dead loads in the step
+    `length` of it in s; `energies` of the structure; `external_work` of the dead loads in the step,
     and `kinetic` energy of the structure at its end, in J; end `time` in s; `evaluations` of the
     residual, and `cuts`, how often the step was halved. Of an impact the `striker` at the end, the
     contact `impulse` of the step in N s and the energy `contact_loss` in J. Of ground motion, all

@@ -1,7 +1,13 @@
-"""The equations of a midpoint step of the column (Heng 2017, chapter 3), and their solution."""
+"""The equations of a midpoint step of the column (Heng 2017, chapter 3), and their solution.
+
+And where the column lies at rest before, under a weight.
+"""
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from workbench.arrays import Array
 from workbench.compiled import njit
 from workbench.hinges.kernels import ELASTIC
 from workbench.impact.contact import inner
@@ -12,6 +18,7 @@ from workbench.models.four_dof import statics
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
 from workbench.structures.kernels import copy, solve_four
 
+_TRIES, _WEIGHED = 100, 1e-10  # at rest under a weight; share of that which is left
 _TOLERANCE = 1e-8  # of the squash load: the error of a step is far larger
 
 
@@ -200,3 +207,29 @@ def finish(s, size):
 
 
 newton = newton_of(Equations(vectors, evaluate, allowed, aim, bend, finish))
+
+
+def lie(still: Any, q: Array, weight: float, bars: Any, states: Any) -> bool:
+    """Lay a column down under a `weight` (N) at its hit point; what springs at the head bear stays.
+
+    Arguments: tables of one column that knows no rate, `still`, with its state `q` (1, 4), and of
+    its `bars`; their `states`. Writes weight and state of rest; whether there is one.
+    """
+    still["load"] += still["spring"] * (q[0, U2] - still["unstressed"])
+    still["free_head"], still["spring"] = True, 0.0
+    work, records = np.zeros(1, statics.WORK)[0], np.zeros(2, statics.STATE)
+    records["q"][0], at = q[0], np.array([1e-6 * still["lengths"].sum()])
+    for _ in range(_TRIES):  # forces grow nearly in proportion
+        statics.pushover(still[0], at, -np.inf, records, work)
+        rest, force = records[1], float(records[1]["force"])
+        if abs(force - weight) <= _WEIGHED * abs(weight):
+            break
+        at *= weight / force
+    else:
+        return False
+    for name in ("q", "stress", "turn"):
+        states[0][name] = rest[name]
+    states[0]["plastic"][:, :4] = rest["plastic"]
+    bars["weight"], bars["sag"] = weight, rest["q"][V]
+    bars["unstressed"] += rest["q"][U2] - q[0, U2]
+    return True

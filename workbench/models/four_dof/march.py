@@ -52,7 +52,7 @@ RECORD = np.dtype(
 @inner
 def hit(s):
     """Displacement v1 and its velocity."""
-    return s.states[0].q[V], s.states[0].w[V]
+    return s.states[0].q[V] - s.columns[0].sag, s.states[0].w[V]
 
 
 @called
@@ -129,6 +129,7 @@ def write(s, records, n):
         now.dissipated,
         0.0,
     )
+    row.external_work = s.columns[0].weight * now.q[V] - s.columns[0].load * now.q[U2]
     for i in (V, U1, U2):
         row.kinetic += 0.5 * m[i] * now.w[i] ** 2 if i != U2 or s.columns[0].free_head else 0.0
 
@@ -174,11 +175,13 @@ def close(s, progress, impulse):
     equal ones.
     """
     now, mass, striker = s.states[0], s.columns[0].mass[V], progress.mass
-    if not (impulse > 0.0 and now.q[V] < progress.place):
+    overlap = progress.place - hit(s)[0]
+    if not (impulse > 0.0 and overlap > 0.0):
         return True
-    push = (progress.place - now.q[V]) / (1.0 / mass + 1.0 / striker)
+    push = overlap / (1.0 / mass + 1.0 / striker)
     now.q[V] += push / mass
     progress.place -= push / striker
+    progress.weighed -= push * progress.gravity
     done = follow(s.columns[0], now, s.room[0])
     at_place(s)
     return done
@@ -208,7 +211,8 @@ def drift(s, dt):
     """Half a step of Moreau's with the velocities."""
     statics.assign(s.states[0], s.states[1])
     move(s.columns[0], 0.5 * dt, s.states[1])
-    return follow(s.columns[0], s.states[1], s.room[0]), s.states[1].q[V]
+    place = s.states[1].q[V] - s.columns[0].sag
+    return follow(s.columns[0], s.states[1], s.room[0]), place
 
 
 @inner
@@ -303,7 +307,7 @@ def read(column, records, progress, given, bounces, numbers):
             numbers[7] = max(numbers[7], row.stress[bar, 0])
             if column.sliding != RIGID_IN_SHEAR:
                 numbers[8] = max(numbers[8], abs(row.plastic[bar, 3])) if n > 0 or bar else 0.0
-        brought = given - column.load * (row.q[U2] - start.q[U2])
+        brought = given + row.external_work - start.external_work
         gained = row.elastic - start.elastic
         balance[n] = _unbalanced(brought, row.kinetic, gained, row.dissipated, row.contact_loss)
     return _open_share(balance, given, start.elastic)

@@ -185,7 +185,7 @@ class FourDofShear(RigidBars):
 
 
 def _stackable(model: FourDof | FourDofShear, scenario: ColumnScenario) -> bool:
-    if not isinstance(scenario, ColumnImpact) or scenario.striker.crushes:
+    if not isinstance(scenario, ColumnImpact) or scenario.striker.crushes or scenario.acceleration:
         return False
     plain = model.integrator == "midpoint" and model.time_step is None
     return plain and not flows(model, scenario.column.steel)

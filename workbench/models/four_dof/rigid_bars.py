@@ -17,9 +17,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.errors import Collapse, CollapseError, Mechanism, SolverError
+from workbench.errors import Collapse, CollapseError, Mechanism, OutOfDomainError, SolverError
 from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.collapse import COLLAPSE_SIDEWAYS
+from workbench.frames.runs import resting
 from workbench.impact.pace import Pace
 from workbench.impact.records import Run, follow, followed, histories_of
 from workbench.models.base import Answering
@@ -253,14 +254,14 @@ class RigidBars(Answering):
         return build_response(values, steps=len(force), warnings=warnings, **_NAMES)
 
     def _impact(self, scenario: ColumnImpact) -> Response:
-        started = perf_counter()
+        started, weight = perf_counter(), scenario.dead_force
         scenario = with_hit_mass(scenario, self.hit_mass)
         error = np.inf
         for refinement in range(PACES):
-            bars, run = self._march(scenario, self.pace(scenario, refinement))
+            bars, run = self._march(scenario, self.pace(scenario, refinement), weight)
             records = run.histories
             values: dict[str, Any] = {n: h for n, h in records.items() if n in VARIABLES}
-            values["external_work"] = _dead_work(scenario.column, records)
+            values["external_work"] = records["external_work"] - records["external_work"][0]
             values["input_energy"] = scenario.input_energy
             balance = values["balance_error"] = np.asarray(balance_error(values, static=False))
             error = open_share(balance, scenario.input_energy, float(records["elastic"][0]))
@@ -271,24 +272,29 @@ class RigidBars(Answering):
         solved = perf_counter() - started
         values |= _histories(scenario.column, bars, records)
         values["plastic_rotation"] = march.turned(bars, run.records)
-        values |= run.peak(scenario.striker.rebounds)
-        warnings = self._reached(scenario.column, values)
+        residual, rests = resting(scenario)
+        values |= run.peak(scenario.striker.rebounds) | residual
+        warnings = [*self._reached(scenario.column, values), *rests]
         response = build_response(values, time=records["time"], warnings=warnings, **_NAMES)
-        response.attrs["solve_time"] = solved
+        response.attrs |= {"solve_time": solved, "dead_displacement": float(bars["sag"])}
         return response
 
-    def _march(self, scenario: ColumnImpact, pace: Pace) -> tuple[Any, Run]:
-        """The bars and the records of one run. Raises `SolverError` and `CollapseError`."""
+    def _march(self, scenario: ColumnImpact, pace: Pace, weight: float) -> tuple[Any, Run]:
+        """The bars, under their `weight` (N), and the records of one run; raises as `simulate`."""
         striker = scenario.striker
-        table, q = self._bars_of(scenario.column)
-        tables = self._tables(scenario.column)
+        (table, q), tables = self._bars_of(scenario.column), self._tables(scenario.column)
         states, room = np.zeros(2, tables.state), np.zeros(1, tables.work)
         states["q"][0] = q
+        if weight:
+            steel = replace(scenario.column.steel, rate=None, hardening_modulus=None)
+            still = self.table_of(replace(scenario.column, steel=steel))
+            if not equations.lie(*still, weight, table, states):
+                raise OutOfDomainError("the column does not carry its own weight")
         if equations.along_tangent(table[0]):
             room["finish_below"] = march.NEARLY if pace.error < inf else march.CLOSELY
         drive = striker.mass, striker.velocity, striker.restitution, 0.0
         entry, given = _ENTRIES[self.integrator], (table, states, room)
-        run = follow(entry, given, pace, drive, march.RECORD, striker)
+        run = follow(entry, given, pace, drive, march.RECORD, striker, scenario.acceleration)
         if run.collapsed:
             raise collapsed(table[0], run.records[-1])
         return table[0], run
@@ -305,7 +311,7 @@ def collapsed(bars: Any, state: Any) -> CollapseError:
     """How the column has collapsed in the last record of a run, the `state`."""
     lengths, reached, time = bars["lengths"], float(state["q"][V]), float(state["time"])
     left = np.array(march.chords(lengths, state["q"]))
-    turned = abs(reached) / np.minimum(lengths, left)
+    turned, reached = abs(reached) / np.minimum(lengths, left), reached - float(bars["sag"])
     if turned.max() > COLLAPSE_SIDEWAYS:
         bar = SEGMENTS[int(turned.argmax())]
         reason = f"the segment {bar} the hit point has turned, nine tenths of its length sideways"
@@ -334,7 +340,7 @@ def _histories(column: Column, bars: Any, records: dict[str, Array]) -> dict[str
         shear = np.abs(stress[:, 1] - stress[:, 2]) / np.hypot(along, v)
     return {
         **slides,
-        "displacement": v,
+        "displacement": v - bars["sag"],
         "force": records["force"],
         "shortening": -u2,
         "dissipated": records["dissipated"],

@@ -35,6 +35,8 @@ COLUMN = np.dtype(
         ("web", WEB),  # of bars that slide
         ("sliding", int),  # kinematics of them: none, chord, section
         ("load", float),  # at the head, compression positive, N
+        ("weight", float),  # at the hit point, along the strike, N
+        ("sag", float),  # displacement there before the hit, m
         ("spring", float),  # axial restraint at the head, N/m
         ("unstressed", float),  # displacement of the head without force in the spring, m
         ("mass", float, 4),  # of the degrees of freedom, kg
@@ -152,8 +154,8 @@ def bar_forces(column, bar, state, work):
 
 @njit(cache=True, error_model="numpy")
 def add_up(column, f, u2, F):
-    """Forces `F` (4,) of the column from those of its bars, the restraint and the dead load."""
-    F[V] = f[BELOW, 0] + f[ABOVE, 0]
+    """Forces `F` (4,) of the column from those of its bars, the restraint, its loads."""
+    F[V] = f[BELOW, 0] + f[ABOVE, 0] - column.weight
     F[U1] = f[BELOW, 1] - f[ABOVE, 1]
     F[BETA] = f[BELOW, 2] - f[ABOVE, 2]
     F[U2] = f[ABOVE, 1] + column.spring * (u2 - column.unstressed) + column.load

@@ -3,10 +3,12 @@
 An inelastic collision joins the striker m with the effective mass m_e of the column,
 v1 = m v0 / (m + m_e); what is left of the energy, E = (m + m_e) v1^2 / 2, is the work of the
 plastic mechanism load R over the displacement, E = R v. Rigid-plastic: nothing comes back, and R
-brings the masses to rest after t = (m + m_e) v1 / R = m v0 / R.
+brings the masses to rest after t = (m + m_e) v1 / R = m v0 / R. Weights that go along are taken
+off R.
 """
 
 from dataclasses import dataclass
+from math import inf
 from typing import ClassVar
 
 import numpy as np
@@ -14,7 +16,7 @@ import numpy as np
 from workbench.fields import Choice, checked
 from workbench.models.base import Answering
 from workbench.models.domain import member_findings
-from workbench.models.energy_estimate import energy_to_absorb, no_restitution
+from workbench.models.energy_estimate import energy_to_absorb, no_restitution, weights_of
 from workbench.models.resistance import columns
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact
@@ -78,8 +80,8 @@ class HandEstimate(Answering):
 
     def _solve(self, scenario: ColumnImpact) -> Response:
         column, striker = scenario.column, scenario.striker
-        force = mechanism_load(column, self.axial)
-        displacement = energy_to_absorb(scenario) / force
+        force = mechanism_load(column, self.axial) - weights_of(scenario)
+        displacement = energy_to_absorb(scenario) / force if force > 0.0 else inf
         if displacement >= columns.reach(column):
             raise columns.out_of_reach(column, columns.reach(column))
         time = striker.mass * striker.velocity / force

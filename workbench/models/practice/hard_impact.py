@@ -9,16 +9,13 @@ strength and y_0 the deformation that it can take.
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 from math import sqrt
 from typing import Any, ClassVar
-
-from scipy.optimize import brentq
 
 from workbench.fields import Choice, Number, checked
 from workbench.models.base import Answering
 from workbench.models.practice.hand_estimate import SECTION, mechanism_load
-from workbench.models.resistance import RESISTANCES, ResistanceCurve, column_curve, columns
+from workbench.models.resistance import RESISTANCES, column_curve, columns
 from workbench.models.single_dof.pulse import Pushed, push
 from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import ColumnImpact, Pulse
@@ -83,6 +80,8 @@ class HardImpact(Answering):
             findings.append(
                 finding("soft-impact", needed / capacity, needed=needed, capacity=capacity)
             )
+        if scenario.acceleration:
+            findings.append(finding("unused-input", input="gravity"))
         if scenario.striker.crush is not None:
             findings.append(finding("one-stiffness"))
         return findings
@@ -101,7 +100,8 @@ class HardImpact(Answering):
             time, values = push(pushed, column, pulse, scenario.duration)
             top = float(values["displacement"].max())
         else:
-            top = self._static(curve, scenario, table or self.amplification * pulse.peak)
+            force = table or self.amplification * pulse.peak
+            top = columns.displacement_under(curve, column, force)
             values["peak_displacement"] = top
             values["residual_displacement"] = curve.residual(top)
         values["peak_force"] = table or pulse.peak
@@ -128,13 +128,3 @@ class HardImpact(Answering):
         for name, (value, units, meaning) in rule.items():
             response[name] = ((), value, {"units": units, "long_name": meaning})
         return response
-
-    def _static(self, curve: ResistanceCurve, scenario: ColumnImpact, force: float) -> float:
-        """Displacement (m) at which the static resistance first reaches a force (N)."""
-        column = scenario.column
-        limit = columns.limit_of(curve, column)
-        ends = [0.0, *(float(v) for v in curve.starts[1:] if v < limit), limit]
-        for low, high in pairwise(ends):
-            if float(curve.force(high)) >= force:
-                return float(brentq(lambda v: float(curve.force(v)) - force, low, high))
-        raise columns.collapsed(curve, column, limit)

@@ -7,6 +7,7 @@ have no closed form, so that the curve is the push of the four-DOF column with p
 between its points.
 """
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
@@ -117,6 +118,7 @@ def column_curve(
 
 
 SEGMENTS = ("below", "above")
+_PARTS = 1000  # of the way to collapse, in which a displacement is looked for
 _FLOWS = 1e-9  # of the elastic energy; round-off of an elastic push dissipates some 1e-15 of it
 _ROTATION = 0.5  # rad; small rotations change the force by about 7 % here
 _WORK = 0.10  # share by which a simplification may leave the analytic curve without a warning
@@ -131,6 +133,29 @@ def reach(column: Column) -> float:
 def limit_of(curve: ResistanceCurve, column: Column) -> float:
     """Displacement (m) at which the column has collapsed, or its `curve` ends."""
     return min(reach(column), curve.lost_at, curve.end)
+
+
+def first_where(
+    curve: ResistanceCurve, column: Column, excess: Callable[[Any], Any], start: float = 0.0
+) -> float:
+    """First displacement (m) from a `start` on at which an `excess` over it is not below 0.
+
+    Raises `CollapseError` or `OutOfDomainError`, as `collapsed` says.
+    """
+    limit = limit_of(curve, column)
+    at = np.append(np.linspace(start, limit, _PARTS), curve.starts)
+    at = np.unique(at[(at >= start) & (at <= limit)])
+    done = np.flatnonzero(excess(at) >= 0.0)
+    if not done.size:
+        raise collapsed(curve, column, limit)
+    return float(brentq(excess, at[max(done[0] - 1, 0)], at[done[0]]))
+
+
+def displacement_under(curve: ResistanceCurve, column: Column, force: float) -> float:
+    """Displacement (m) at which the resistance comes to a force (N); raises as `first_where`."""
+    size = abs(force)
+    reached = first_where(curve, column, lambda v: curve.force(v) - size) if size else 0.0
+    return float(np.copysign(reached, force))
 
 
 def collapsed(

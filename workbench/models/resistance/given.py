@@ -106,7 +106,7 @@ class OnCurve(Answering):
         """Whether curves of a stack of such impacts are made in compiled code."""
         if not isinstance(scenario, ColumnImpact) or self.resistance not in RESISTANCES:
             return False
-        return not scenario.striker.crushes
+        return not scenario.striker.crushes and not scenario.acceleration
 
     def refused(self, scenario: ColumnImpact) -> Any:
         """Whether the domain refuses an impact; flags of a stack."""

@@ -40,10 +40,7 @@ from workbench.responses.histories import FORCE_WINDOW
 from workbench.responses.kernels import largest_window, signed_peak
 
 RECORD = np.dtype(
-    [
-        (name, float)
-        for name in (*COMMON, "force", "elastic", "dissipated", "external_work", "plastic")
-    ]
+    [(name, float) for name in (*COMMON, "force", "elastic", "dissipated", "plastic")]
 )
 STATE = np.dtype(
     [
@@ -52,6 +49,7 @@ STATE = np.dtype(
         *(("time", float), ("push", float), ("work", float)),  # of pulses: mean force, its work
         ("stage", int),
         *(("x", float), ("contact", float), ("crushed", float)),  # of a striker that crushes
+        *(("weight", float), ("sag", float)),  # dead force (N), displacement under it (m)
     ],
     align=True,
 )
@@ -93,16 +91,16 @@ def put(state, spring):
 @uncounted
 def hit(s):
     """Displacement and velocity."""
-    return s.states[0].v, s.states[0].w
+    return s.states[0].v - s.states[0].sag, s.states[0].w
 
 
 @uncounted
 def solve(s, dt, closed, touch, striker):
     """The step of the mass, with that of a striker in contact."""
     now = s.states[0]
-    mass, jump = now.mass, 0.0
+    mass, jump = now.mass, -dt * now.weight
     if closed:
-        mass, jump = mass + striker, striker * (now.w - touch)
+        mass, jump = mass + striker, jump + striker * (now.w - touch)
     w1, residual = solve_midpoint(dt, now.w, mass, jump, spring_of(now), s.pieces)
     s.states[1].w = w1
     return residual <= 1e-9, w1, residual, 1
@@ -123,7 +121,8 @@ def write(s, records, n):
     row, now = records[n], s.states[0]
     row.plastic = now.v - now.force / now.stiffness if now.yielded else 0.0
     row.kinetic, row.force, row.dissipated = 0.5 * now.mass * now.w**2, now.force, now.dissipated
-    row.elastic, row.external_work = spring_energy(spring_of(now), s.pieces), now.work
+    row.elastic = spring_energy(spring_of(now), s.pieces)
+    row.external_work = now.work + now.weight * (now.v - now.sag)
 
 
 @uncounted
@@ -154,7 +153,7 @@ def slope_of(now, pieces):
 def calm(s, progress):
     """Whether a free column swings on a straight line for good, out of reach of its striker.
 
-    And no farther than to the peak that it has had.
+    And no farther than to the peak that it has had; nothing weighs.
     """
     now, first = s.states[0], s.pieces[0]
     k = slope_of(now, s.pieces)
@@ -166,6 +165,7 @@ def calm(s, progress):
         straight = straight and (s.pieces.size == 1 or now.top <= s.pieces[1].start)
     centre = now.v - now.force / k
     away = progress.velocity <= 0.0 and progress.place < centre - turn
+    away = away and progress.gravity == 0.0 and now.weight == 0.0
     return straight and away and centre + turn <= _NO_MORE * progress.peak
 
 
@@ -198,13 +198,14 @@ def drift(s, dt):
     """Half a step of Moreau's with the velocity."""
     now, trial = s.states[0], s.states[1]
     put(trial, spring_moved(spring_of(now), now.v + 0.5 * dt * now.w, s.pieces))
-    return True, trial.v
+    return True, trial.v - now.sag
 
 
 @uncounted
 def push(s, dt):
     """The velocity that the force in the middle leaves."""
-    s.states[1].w = s.states[0].w - dt * s.states[1].force / s.states[0].mass
+    now = s.states[0]
+    s.states[1].w = now.w - dt * (s.states[1].force - now.weight) / now.mass
     return s.states[1].w, s.states[0].mass
 
 
@@ -234,10 +235,11 @@ _explicit = march_of(
 
 @inner
 def at_rest(drive, pieces):
-    """States before anything happens; the drive ends with elastic limit, collapse and mass."""
-    states = np.zeros(2, STATE)
-    put(states[0], spring_at_rest(drive[DRIVE], pieces))
-    states[0].mass = drive[DRIVE + 2]
+    """States before anything happens; see `impact` for the end of the drive."""
+    states, now = np.zeros(2, STATE), drive[DRIVE:]
+    states[0].mass, states[0].weight, states[0].sag = now[2], now[3], now[4]
+    put(states[0], spring_moved(spring_at_rest(now[0], pieces), now[4], pieces))
+    states[0].dissipated = 0.0
     return states
 
 
@@ -246,7 +248,8 @@ def impact(pieces, drive, progress, records):
     """Follow an impact: (status, rows).
 
     Arguments: `pieces` of the resistance; `drive`, `progress` and `records` of `workbench.impact`,
-    the drive with elastic limit (m), displacement of collapse (m) and impact mass (kg).
+    the drive with elastic limit (m), displacement of collapse (m), impact mass (kg), dead force (N)
+    and displacement under it (m), from which those of the records count.
     """
     s = OneMass(at_rest(drive, pieces), pieces, drive[DRIVE + 1])
     return _march(s, begin(drive, progress[0]), progress[0], records)
@@ -273,13 +276,13 @@ def pace_of(period, duration, bounces):
 
 
 @njit(cache=True, error_model="numpy")
-def scalars(records, progress, pieces, elastic_limit, mass, bounces):
+def scalars(records, progress, pieces, elastic_limit, mass, bounces, sag=0.0):
     """Numbers of an impact on a mass (kg), in the order of SCALARS; NaN where there is none."""
     peak, when = standstill(records, progress, bounces)
     left = np.nan
     if not np.isnan(peak):  # after the peak reverse yielding takes some back
         plastic = records["plastic"]
-        left = residual(pieces, elastic_limit, peak) + plastic[-1] - plastic.max()
+        left = residual(pieces, elastic_limit, peak + sag) + plastic[-1] - plastic.max()
     percussion, force = records["percussion"], np.nan
     if progress.crush.points == 0:
         # the first collision is recorded with the first step but happens at time 0
@@ -316,7 +319,7 @@ def impacts(rows, strikes, codes, results):
             [
                 *(pace.duration, pace.first, pace.longest, pace.error, pace.vibration, pace.flow),
                 *(pace.spacing, float(pace.most), striker, velocity, restitution, 0.0),
-                *(elastic_limit, limit, mass),
+                *(elastic_limit, limit, mass, 0.0, 0.0),
             ]
         )
         needed = 2 * int(np.ceil(duration / pace.spacing)) + 4

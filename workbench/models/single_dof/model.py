@@ -178,21 +178,27 @@ class SingleDof(OnCurve):
             return self._pushover(scenario)
         if isinstance(scenario, MemberPulse):
             return pulse_response(scenario, self.pushed(scenario))
-        return self._impact(self.with_mass(scenario))
+        return self._impact(self.with_mass(scenario), scenario.dead_force)
 
-    def _march(self, scenario: ColumnImpact) -> tuple[Run, ResistanceCurve]:
-        """Follow one impact. Raises `SolverError`, `OutOfDomainError`, `CollapseError`."""
+    def _march(self, scenario: ColumnImpact, weight: float) -> tuple[Run, ResistanceCurve, float]:
+        """Follow one impact; its curve, and the displacement (m) under a `weight` (N) before.
+
+        Raises `SolverError`, `OutOfDomainError`, `CollapseError`.
+        """
         column, striker = scenario.column, scenario.striker
         given = self.given(scenario)
         curve, limit, pace = _prepared(self, column, scenario.duration, striker.rebounds, given)
         pace = followed(pace, striker, column.properties.impact_mass)
         blow = striker.mass, striker.velocity, striker.restitution, 0.0
-        drive = *blow, curve.elastic_limit, limit, column.properties.impact_mass
-        run = follow(_ENTRIES[self.integrator], (curve.pieces,), pace, drive, march.RECORD, striker)
+        sag, gravity = columns.displacement_under(curve, column, weight), scenario.acceleration
+        drive = *blow, curve.elastic_limit, limit, column.properties.impact_mass, weight, sag
+        entry, tables = _ENTRIES[self.integrator], (curve.pieces,)
+        run = follow(entry, tables, pace, drive, march.RECORD, striker, gravity)
         if run.collapsed:
             v, w = (float(run.records[name][-1]) for name in ("displacement", "velocity"))
-            raise columns.collapsed(curve, column, limit, run.progress["time"] - (v - limit) / w)
-        return run, curve
+            when = run.progress["time"] - (v + sag - limit) / w
+            raise columns.collapsed(curve, column, limit - sag, when)
+        return run, curve, sag
 
     def period(self, column: Column) -> float:
         """Shortest period (s) of the impact mass on the resistance. Raises `OutOfDomainError`."""
@@ -208,17 +214,18 @@ class SingleDof(OnCurve):
         step = step or max(period / _FINE_STEPS, duration / _MOST_STEPS)
         return Pace.equal(duration, duration / max(1, ceil(duration / step)), march.MOST_STEPS)
 
-    def _impact(self, scenario: ColumnImpact) -> Response:
+    def _impact(self, scenario: ColumnImpact, weight: float) -> Response:
         started = perf_counter()
-        run, curve = self._march(scenario)
+        run, curve, sag = self._march(scenario, weight)
         solved = perf_counter() - started
         values: dict[str, Any] = {**run.histories, "input_energy": scenario.input_energy}
         time, _ = values.pop("time"), values.pop("plastic")
-        top = float(values["displacement"].max())
+        top = float(values["displacement"].max()) + sag
         values["shear_utilisation"], warnings = columns.reached(curve, scenario.column, top)
-        values |= _scalars(scenario, run, curve)
+        values |= _scalars(scenario, run, curve, sag)
         response = build_response(values, time=time, segments=columns.SEGMENTS, warnings=warnings)
         response.attrs["solve_time"] = solved
+        response.attrs |= {"dead_displacement": sag} if sag else {}
         return response
 
     def _pushover(self, scenario: ColumnPushover) -> Response:
@@ -259,11 +266,13 @@ def _prepared(
     return curve, columns.limit_of(curve, column), model.pace(column, duration, bounces)
 
 
-def _scalars(scenario: ColumnImpact, run: Run, curve: ResistanceCurve) -> dict[str, float]:
+def _scalars(
+    scenario: ColumnImpact, run: Run, curve: ResistanceCurve, sag: float
+) -> dict[str, float]:
     """Scalar results of an impact; without a peak in the record only those of the contact."""
     striker, mass = scenario.striker, scenario.column.properties.impact_mass
     spring = curve.pieces, curve.elastic_limit, mass
-    numbers = march.scalars(run.records, run.progress, *spring, striker.rebounds)
+    numbers = march.scalars(run.records, run.progress, *spring, striker.rebounds, sag)
     return {name: x for name, x in zip(march.SCALARS, numbers, strict=True) if not isnan(x)}
 
 

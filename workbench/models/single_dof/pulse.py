@@ -70,7 +70,7 @@ def solve_pushed(s, dt, closed, touch, striker):
     """The step of the mass under the pulse."""
     now = s.states[0]
     now.push = s.means[min(int(now.time / s.length + 1e-6), s.means.size - 1)]
-    spring, impulse = march.spring_of(now), dt * (s.damping * now.w - now.push)
+    spring, impulse = march.spring_of(now), dt * (s.damping * now.w - now.push - now.weight)
     damped = now.mass + 0.5 * dt * s.damping  # the dashpot feels the mean velocity
     w1, residual = solve_midpoint(dt, now.w, damped, impulse, spring, s.pieces)
     s.states[1].w = w1
@@ -95,9 +95,11 @@ def accept_pushed(s, dt):
 _march = march_of(Model(march.hit, solve_pushed, no_flow, accept_pushed, march.write, march.lost))
 
 
-def no_striker(elastic_limit: float, limit: float, mass: float) -> tuple[float, ...]:
-    """The drive of a pulse after its pace; displacements (m) and the mass at first (kg)."""
-    return 0.0, 0.0, 0.0, 0.0, elastic_limit, limit, mass
+def no_striker(
+    elastic_limit: float, limit: float, mass: float, weight: float = 0.0, sag: float = 0.0
+) -> tuple[float, ...]:
+    """The drive of a pulse after its pace, as `march.impact`; the mass is that at first (kg)."""
+    return 0.0, 0.0, 0.0, 0.0, elastic_limit, limit, mass, weight, sag
 
 
 @njit(cache=True, error_model="numpy")
@@ -132,11 +134,12 @@ def moved_masses(
 
 
 def push(
-    pushed: Pushed, column: Column, pulse: Pulse, duration: float
+    pushed: Pushed, column: Column, pulse: Pulse, duration: float, weight: float = 0.0
 ) -> tuple[Array, dict[str, Any]]:
     """Follow a column at rest under a pulse for `duration` (s): time (s) and values of a response.
 
-    Raises `SolverError`, and `CollapseError` where the column collapses.
+    Argument: its `weight` at the hit point (N), under which it lies. Raises `SolverError`, and
+    `CollapseError` where the column collapses.
     """
     curve = pushed.curve
     lightest = min(mass for _, mass, _ in pushed.stages)
@@ -149,7 +152,8 @@ def push(
     means = pushed.share * pulse.means(time)
     tables = curve.pieces, np.array(pushed.stages), means, pushed.damping
     limit = columns.limit_of(curve, column)
-    drive = no_striker(curve.elastic_limit, limit, pushed.stages[0][1])
+    sag = columns.displacement_under(curve, column, weight)
+    drive = no_striker(curve.elastic_limit, limit, pushed.stages[0][1], weight, sag)
     run = follow(under_pulse, tables, Pace.equal(duration, step, steps), drive, march.RECORD)
     records = run.records
     if run.collapsed:
@@ -159,7 +163,8 @@ def push(
     if pushed.at_hit:
         values |= {name: records[name] for name in ("kinetic", "elastic", "dissipated")}
         works = records["external_work"]
-        values |= {"external_work": works, "input_energy": np.max(np.abs(works))}
+        pulsed = works - weight * records["displacement"]
+        values |= {"external_work": works, "input_energy": np.max(np.abs(pulsed))}
     values["load"] = pushed.share * pulse.force(time)
     over = unloaded(values) is not None and peak_of(time, records["displacement"])
     values["residual_displacement"] = float(records["plastic"][-1]) if over else None
@@ -173,10 +178,12 @@ def pulse_response(
 ) -> Response:
     """The answer to a member under a pulse; `further`: values read off the others."""
     started = perf_counter()
-    time, values = push(pushed, scenario.column, scenario.pulse, scenario.duration)
+    column, weight = scenario.column, scenario.dead_force
+    time, values = push(pushed, column, scenario.pulse, scenario.duration, weight)
     solved = perf_counter() - started
-    curve, top = pushed.curve, abs(largest_of(values["displacement"]))
-    shear, warnings = columns.reached(curve, scenario.column, top)
+    curve, sag = pushed.curve, columns.displacement_under(pushed.curve, column, weight)
+    top = abs(largest_of(values["displacement"] + sag))
+    shear, warnings = columns.reached(curve, column, top)
     values["load"] = scenario.whole * scenario.pulse.force(time)
     if scenario.load != UNIFORM:  # a line load makes shear of its own
         values["shear_utilisation"] = shear
@@ -184,4 +191,5 @@ def pulse_response(
         values |= further(values)
     response = build_response(values, time=time, segments=columns.SEGMENTS, warnings=warnings)
     response.attrs["solve_time"] = solved
+    response.attrs |= {"dead_displacement": sag} if sag else {}
     return response

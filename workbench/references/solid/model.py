@@ -6,7 +6,7 @@ additive von Mises plasticity, so that N <= A f_y holds as in the beam theories.
 out is in: shear yielding of the web, transverse stress at supports and plastic kinks.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from workbench.arrays import Array
 from workbench.fields import Declared, Number, checked
-from workbench.frames.runs import OPEN_LEDGER
+from workbench.frames.runs import OPEN_LEDGER, resting
 from workbench.materials import Steel
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
@@ -29,7 +29,7 @@ from workbench.references.refine import (
     check_levels,
     refined,
 )
-from workbench.references.solid.assembly import SolidAssembly, solid_column
+from workbench.references.solid.assembly import SolidAssembly, nodal_mass, solid_column
 from workbench.references.solid.material import SQUEEZED
 from workbench.responses import (
     Finding,
@@ -156,12 +156,17 @@ class SolidPlaneStress(Declared, table="option"):
     def _solve(self, scenario: ColumnPushover | ColumnImpact) -> Response:
         """Bring the axial load on with the column held straight; then push or strike it.
 
-        From then on the restraint spring, unstressed, or the lock of a fixed head acts.
+        One that lies under its own weight is not held straight. From then on the restraint spring,
+        unstressed, or the lock of a fixed head acts.
         """
         column = scenario.column
         solid = solid_column(column, self.smallest_element, self.refinement, self.hardening_ratio)
         head, hit = solid.supports.head, solid.supports.hit
         solid.load[head], solid.held = -column.axial_load, np.array([hit])
+        if isinstance(scenario, ColumnImpact) and scenario.acceleration:
+            weight = nodal_mass(solid.mesh, column) * scenario.acceleration
+            weight[solid.mesh.dofs[:, 1::2]] = 0.0  # along the column
+            solid.load, solid.held = solid.load + solid.supports.tied.T @ weight, solid.held[:0]
         apply_loads(solid, tolerance=TOLERANCE, most_cuts=0, name="axial load")
         solid.held = np.array([head] if column.head == "fixed" else [], dtype=np.int64)
         if column.head != "fixed":
@@ -177,19 +182,25 @@ class _States:
 
     def __init__(self, solid: SolidAssembly) -> None:
         self.solid, self._plastic_before = solid, solid.dissipated
+        self._origin = float(solid.displacement[solid.supports.hit])
         self._rows: list[tuple[float, ...]] = []
 
     def see(self) -> None:
         """Read the committed state."""
         solid = self.solid
         hit, head = solid.supports.hit, solid.supports.head
-        moved = solid.displacement[hit], solid.velocity[hit], -solid.displacement[head]
+        across = solid.displacement[hit] - self._origin
+        moved = across, solid.velocity[hit], -solid.displacement[head]
         energies = solid.stored, solid.dissipated - self._plastic_before
         limits = solid.largest_strain(), np.min(solid.area_ratio())
         self._rows.append((*moved, *energies, *solid.segment_shear(), *limits))
 
     def response(
-        self, column: Column, values: Mapping[str, ArrayLike], time: Array | None = None
+        self,
+        column: Column,
+        values: Mapping[str, ArrayLike],
+        time: Array | None = None,
+        warnings: Sequence[Finding] = (),
     ) -> Response:
         """The response with these `values`, of an impact at `time` (steps,) in s."""
         rows = np.array(self._rows).T
@@ -205,7 +216,7 @@ class _States:
             time=time,
             steps=None if time is not None else len(path),
             segments=SEGMENTS,
-            warnings=localisation(path, strain, area, self.solid.hardening_ratio),
+            warnings=[*warnings, *localisation(path, strain, area, self.solid.hardening_ratio)],
         )
         open_by = energy_error(response) or 0.0
         if open_by > (LARGEST_IMBALANCE if time is None else OPEN_LEDGER):
@@ -216,6 +227,7 @@ class _States:
             elements=len(mesh.dofs),
             dofs=mesh.size,
             smallest_element=mesh.smallest,
+            dead_displacement=self._origin,
             largest_strain=float(np.max(strain)),
             least_area_ratio=float(np.min(area)),
         )
@@ -253,7 +265,7 @@ def _strike(scenario: ColumnImpact, solid: SolidAssembly, step: float) -> Respon
     """
     striker, states = scenario.striker, _States(solid)
     states.see()
-    hitting = PointMass.of(striker)
+    hitting = PointMass.of(scenario)
     spans = [(scenario.duration, scenario.duration / RECORDS)]
     rows = [(0.0, scenario.input_energy, striker.velocity, 0.0, 0.0, 0.0)]
     for taken in explicit_impact(solid, solid.supports.hit, hitting, spans, step):
@@ -271,7 +283,8 @@ def _strike(scenario: ColumnImpact, solid: SolidAssembly, step: float) -> Respon
         "external_work": np.cumsum(work),
         "input_energy": scenario.input_energy,
     }
-    return states.response(scenario.column, values, time)
+    residual, warnings = resting(scenario)
+    return states.response(scenario.column, values | residual, time, warnings)
 
 
 def localisation(

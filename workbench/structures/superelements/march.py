@@ -35,7 +35,7 @@ CUT = 0.2  # least share of a repeated step: with 0.1 peaks of columns scatter a
 WORK, REPEATS = 1e-9, 3  # of the energy brought in, that a residual may do in a step; tries at that
 NUMBERS = 500_000  # that are handed over at a time, at most
 SUMS = (*StepEnergies._fields, "external_work")
-RECORD = np.dtype([(name, float) for name in (*COMMON, *SUMS)])
+RECORD = np.dtype([(name, float) for name in dict.fromkeys((*COMMON, *SUMS))])
 LEDGER = np.dtype([(name, float) for name in SUMS])
 
 
@@ -288,6 +288,7 @@ def follow_impact(
     work = Work._make([*vectors, np.zeros(assembly.size, np.int64)])
     progress = np.zeros(1, PROGRESS)
     progress["place"], progress["crush"] = striker.position, law_of(striker.crushing)
+    progress["gravity"] = striker.gravity
     drive = np.array([*pace, striker.mass, striker.velocity, striker.restitution, calm])
     size = 2 * assembly.size + sum(values.size for values in old)
     rows, status = max(3, min(1024, NUMBERS // size)), GOING
