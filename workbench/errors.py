@@ -62,7 +62,19 @@ class SolverError(WorkbenchError):
 
 
 class OutOfDomainError(WorkbenchError):
-    """A model met a state outside its assumptions; the message says which and what to do."""
+    """A model met a state outside its assumptions; the message says which and what to do.
+
+    `finding`: the same as data, if it has one.
+    """
+
+    finding: Any = None
+
+    @classmethod
+    def of(cls, finding: Any) -> "OutOfDomainError":
+        """The error of a finding."""
+        error = cls(str(finding))
+        error.finding = finding
+        return error
 
 
 class CrumpledError(OutOfDomainError):

@@ -117,6 +117,7 @@ def column_curve(
 
 
 SEGMENTS = ("below", "above")
+BENDING = STAGES, MECHANISM = "stages", "mechanism"  # shapes without an axial force
 _FLOWS = 1e-9  # of the elastic energy; round-off of an elastic push dissipates some 1e-15 of it
 _ROTATION = 0.5  # rad; small rotations change the force by about 7 % here
 _WORK = 0.10  # share by which a simplification may leave the analytic curve without a warning
@@ -134,19 +135,40 @@ def limit_of(curve: ResistanceCurve, column: Column) -> float:
 
 
 def collapsed(
-    curve: ResistanceCurve, column: Column, displacement: float, time: float | None = None
+    curve: ResistanceCurve,
+    column: Column,
+    displacement: float,
+    time: float | None = None,
+    energy: float = 0.0,
 ) -> CollapseError | OutOfDomainError:
     """How a column collapses that has come to the limit of its resistance `curve`.
 
-    Arguments: the `displacement` (m) that it has reached, at a `time` (s; None: not known).
-    No collapse is the end of a curve that was given.
+    Arguments: the `displacement` (m) that it has reached, at a `time` (s; None: not known); the
+    `energy` (J) brought in until then, which counts on curves of bending alone.
+    No collapse is the end of a curve that was given, nor of one of bending alone where catenary
+    action may hold the column: nothing is known of what follows.
     """
     if curve.end * (1.0 + 1e-9) < min(curve.lost_at, reach(column)):
         return OutOfDomainError(
             f"the resistance curve that is given ends at {curve.end:.4g} m, the column goes on: "
             "give points beyond"
         )
-    return fallen(column, curve.lost_at <= reach(column), displacement, time)
+    lost = curve.lost_at <= reach(column)
+    if not lost and curve.shape in BENDING and _may_hang(curve, displacement, energy):
+        return OutOfDomainError.of(finding("last-stage", displacement))
+    return fallen(column, lost, displacement, time)
+
+
+def _may_hang(curve: ResistanceCurve, displacement: float, energy: float) -> bool:
+    """Whether the axial force, which a `curve` of bending alone leaves out, may stop the column.
+
+    Its ends are held apart, and the analytic curve, which knows that force, absorbs the `energy`
+    (J) up to the displacement (m), or does not hold.
+    """
+    if np.isinf(curve.mechanism.axial_flexibility):
+        return False
+    companion = _analytic_companion(curve)
+    return companion is None or bool(companion.work(displacement) > energy)
 
 
 def fallen(
