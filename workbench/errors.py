@@ -62,19 +62,10 @@ class SolverError(WorkbenchError):
 
 
 class OutOfDomainError(WorkbenchError):
-    """A model met a state outside its assumptions; the message says which and what to do.
+    """A model met a state outside its assumptions; the message, or a finding, says which.
 
-    `finding`: the same as data, if it has one.
+    And what to do.
     """
-
-    finding: Any = None
-
-    @classmethod
-    def of(cls, finding: Any) -> "OutOfDomainError":
-        """The error of a finding."""
-        error = cls(str(finding))
-        error.finding = finding
-        return error
 
 
 class CrumpledError(OutOfDomainError):

@@ -265,7 +265,7 @@ class CollapseWatch:
             return
         names: tuple[str, ...]
         if turned and getattr(structure.assembly.groups[0], "first_order", False):
-            raise OutOfDomainError.of(finding("undeformed", float(displacement)))
+            raise OutOfDomainError(finding("undeformed", float(displacement)))
         if turned:
             names = (structure.frame.members[int(across.argmax())].name,)
             mechanism, reason = Mechanism.GEOMETRY, finding("turned-over", float(across.max()))

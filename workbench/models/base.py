@@ -107,7 +107,8 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
             except SolverError as error:
                 response = failed_response(Outcome.NOT_CONVERGED, str(error))
             except OutOfDomainError as error:
-                refusal = error.finding or Finding("domain", str(error), refusal=True)
+                known = isinstance(error.args[0], Finding)
+                refusal = error.args[0] if known else Finding("domain", str(error), refusal=True)
                 response = refused_response([refusal])
         if warnings:
             set_findings(response, [*warnings, *findings_of(response)])

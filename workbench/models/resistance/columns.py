@@ -155,15 +155,14 @@ def collapsed(
         )
     lost = curve.lost_at <= reach(column)
     if not lost and curve.shape in BENDING and _may_hang(curve, displacement, energy):
-        return OutOfDomainError.of(finding("last-stage", displacement))
+        return OutOfDomainError(finding("last-stage", displacement))
     return fallen(column, lost, displacement, time)
 
 
 def _may_hang(curve: ResistanceCurve, displacement: float, energy: float) -> bool:
-    """Whether the axial force, which a `curve` of bending alone leaves out, may stop the column.
+    """Whether tension, which a `curve` of bending alone leaves out, may stop a column.
 
-    Its ends are held apart, and the analytic curve, which knows that force, absorbs the `energy`
-    (J) up to the displacement (m), or does not hold.
+    Where its ends are held apart and the analytic curve absorbs the `energy` (J) or does not hold.
     """
     if np.isinf(curve.mechanism.axial_flexibility):
         return False

@@ -25,9 +25,9 @@ from workbench.impact.pace import Pace
 from workbench.impact.records import follow
 from workbench.models.practice.deflected_shape import beam_of
 from workbench.models.resistance import ResistanceCurve, columns
+from workbench.models.resistance.given import GIVEN
 from workbench.models.single_dof import march
 from workbench.models.single_dof.spring import solve_midpoint
-from workbench.models.resistance.given import GIVEN
 from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import Column, MemberPulse, Pulse
 from workbench.scenarios.pulse import UNIFORM
