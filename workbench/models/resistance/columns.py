@@ -20,6 +20,7 @@ from workbench.frames.collapse import COLLAPSE_SIDEWAYS
 from workbench.hinges import ShearSurface
 from workbench.models.domain import buckling_findings, member_findings
 from workbench.models.four_dof import FourDofShear
+from workbench.models.practice.deflected_shape import beam_of
 from workbench.models.resistance.curve import (
     SECTION,
     Mechanism,
@@ -32,6 +33,7 @@ from workbench.models.resistance.given import GIVEN, NOTHING, PANEL, given_curve
 from workbench.models.resistance.shapes import RESISTANCES, Rows, resistance_curve
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnPushover, ColumnScenario, MemberPulse
+from workbench.scenarios.pulse import UNIFORM
 from workbench.scenarios.varied import spread
 
 
@@ -120,6 +122,8 @@ SEGMENTS = ("below", "above")
 BENDING = STAGES, MECHANISM = "stages", "mechanism"  # shapes without an axial force
 _FLOWS = 1e-9  # of the elastic energy; round-off of an elastic push dissipates some 1e-15 of it
 _ROTATION = 0.5  # rad; small rotations change the force by about 7 % here
+_SHORT = 0.15  # of the period: below, higher modes and bending beside the force take much
+_SOFT = 0.03  # of an elastic peak, by bars that stretch less than the member
 _WORK = 0.10  # share by which a simplification may leave the analytic curve without a warning
 
 
@@ -253,6 +257,35 @@ def _reached_findings(
             name = "simplified-work-unsafe" if simplified > exact else "simplified-work"
             work: dict[str, Any] = {"simplified": simplified / 1e3, "exact": exact / 1e3}
             findings.append(finding(name, displacement=displacement, shape=curve.shape, **work))
+    return findings
+
+
+def of_one_shape(
+    scenario: MemberPulse, curve: ResistanceCurve, mass: float, top: float
+) -> list[Finding]:
+    """Warnings of what one shape of deflection leaves out of a member that has come to `top` (m).
+
+    Arguments: resistance `curve` and elastic `mass` (kg) of the shape.
+    A pulse much shorter than the period. An elastic member whose ends are held apart: its shape
+    stretches by Lambda v^2 (see `Shape.stretching`), two straight bars by less; a step then makes
+    the work of the resistance F v, which the shape does at a smaller v.
+    """
+    uniform = scenario.load == UNIFORM
+    stiffness, softness = curve.initial_stiffness, curve.mechanism.axial_flexibility
+    lasts = scenario.pulse.lasts / (2.0 * np.pi * np.sqrt(mass / stiffness))
+    findings = [finding("short-pulse", lasts, limit=_SHORT)] if lasts < _SHORT else []
+    if curve.shape == GIVEN or top > curve.elastic_limit or np.isinf(softness) or top <= 0.0:
+        return findings
+    elastic, *_, rigid = beam_of(scenario.column, uniform).stages(np.ones(3))
+    pulled = elastic.shape.stretching**2 / softness * rigid.load_factor / elastic.load_factor
+    mean = float(curve.work(top)) / top
+
+    def missing(v: float) -> float:
+        return 0.5 * (stiffness + pulled * v**2) * v - mean
+
+    if missing(top) > 0.0:
+        excess = top / brentq(missing, 0.0, top) - 1.0
+        findings += [finding("straight-bars", 100.0 * excess)] if excess > _SOFT else []
     return findings
 
 

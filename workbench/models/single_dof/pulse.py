@@ -15,7 +15,6 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from workbench.arrays import Array
 from workbench.compiled import njit
@@ -25,17 +24,14 @@ from workbench.impact.pace import Pace
 from workbench.impact.records import follow
 from workbench.models.practice.deflected_shape import beam_of
 from workbench.models.resistance import ResistanceCurve, columns
-from workbench.models.resistance.given import GIVEN
 from workbench.models.single_dof import march
 from workbench.models.single_dof.spring import solve_midpoint
-from workbench.responses import Finding, Response, build_response, finding
+from workbench.responses import Response, build_response
 from workbench.scenarios import Column, MemberPulse, Pulse
 from workbench.scenarios.pulse import UNIFORM
 
 _STEPS_PER_PERIOD = 64  # of the lightest mass on the steepest stiffness
 _FEWEST_STEPS, _MOST_STEPS = 400, 1_000_000
-_SHORT = 0.15  # of the period: below, higher modes and bending beside the force take much
-_SOFT = 0.03  # of an elastic peak, by bars that stretch less than the member
 
 
 class PushedMass(NamedTuple):
@@ -170,32 +166,6 @@ def push(
     return time, values
 
 
-def of_one_shape(scenario: MemberPulse, pushed: Pushed, top: float) -> list[Finding]:
-    """Warnings of what one shape of deflection leaves out of a member that has come to `top` (m).
-
-    A pulse much shorter than the period. An elastic member whose ends are held apart: its shape
-    stretches by Lambda v^2 (see `Shape.stretching`), two straight bars by less; a step then makes
-    the work of the resistance F v, which the shape does at a smaller v.
-    """
-    column, curve, uniform = scenario.column, pushed.curve, scenario.load == UNIFORM
-    stiffness, softness = curve.initial_stiffness, curve.mechanism.axial_flexibility
-    lasts = scenario.pulse.lasts / (2.0 * np.pi * np.sqrt(pushed.stages[0][1] / stiffness))
-    findings = [finding("short-pulse", lasts, limit=_SHORT)] if lasts < _SHORT else []
-    if curve.shape == GIVEN or top > curve.elastic_limit or np.isinf(softness) or top <= 0.0:
-        return findings
-    elastic, *_, rigid = beam_of(column, uniform).stages(np.ones(3))
-    pulled = elastic.shape.stretching**2 / softness * rigid.load_factor / elastic.load_factor
-    mean = float(curve.work(top)) / top
-
-    def missing(v: float) -> float:
-        return 0.5 * (stiffness + pulled * v**2) * v - mean
-
-    if missing(top) > 0.0:
-        excess = top / brentq(missing, 0.0, top) - 1.0
-        findings += [finding("straight-bars", 100.0 * excess)] if excess > _SOFT else []
-    return findings
-
-
 def pulse_response(
     scenario: MemberPulse,
     pushed: Pushed,
@@ -207,7 +177,7 @@ def pulse_response(
     solved = perf_counter() - started
     curve, top = pushed.curve, float(values["displacement"].max())
     shear, warnings = columns.reached(curve, scenario.column, top)
-    warnings = [*warnings, *of_one_shape(scenario, pushed, top)]
+    warnings = [*warnings, *columns.of_one_shape(scenario, curve, pushed.stages[0][1], top)]
     values["load"] = scenario.whole * scenario.pulse.force(time)
     if scenario.load != UNIFORM:  # a line load makes shear of its own
         values["shear_utilisation"] = shear
