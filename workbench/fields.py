@@ -304,9 +304,9 @@ class Declared:
     @property
     def words(self) -> dict[str, str]:
         """Texts of the fields that are not at their defaults, by name, in units that people use."""
-        fields = ((f, getattr(self, f.name), rule) for f, rule, _, _ in _checks(type(self)))
-        kept = ((f.name, x, rule) for f, x, rule in fields if x not in (None, f.default))
-        return {name: in_words(x, getattr(rule, "unit", "")) for name, x, rule in kept}
+        rules = _checks(type(self))  # type: ignore[arg-type]
+        kept = ((f, getattr(self, f.name), getattr(rule, "unit", "")) for f, rule, *_ in rules)
+        return {f.name: in_words(x, u) for f, x, u in kept if x not in (None, f.default)}
 
     def _repr_html_(self) -> str:
         """The `words` of the fields as a table of a notebook."""

@@ -95,7 +95,7 @@ class Rows(pd.DataFrame):
 
     def __repr__(self) -> str:
         numbers: Any = {"na_rep": "", "float_format": "{:.4g}".format}
-        return self.to_string(index=False, line_width=100, **numbers)
+        return str(self.to_string(index=False, line_width=100, **numbers))
 
     @property
     def _constructor(self) -> type[Rows]:

@@ -74,16 +74,9 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
     with linear_algebra().limit(limits=1):
         started = time.perf_counter()
         if scenario.KIND not in model.answers:
-            response = refused_response(
-                [
-                    finding(
-                        "kind",
-                        name=model.name,
-                        answers=", ".join(model.answers),
-                        kind=scenario.KIND,
-                    )
-                ]
-            )
+            answers = ", ".join(model.answers)
+            other = finding("kind", name=model.name, answers=answers, kind=scenario.KIND)
+            response = refused_response([other])
             return _signed(response, model, scenario, started)
         warnings: list[Finding] = []
         refusals: list[Finding] = []

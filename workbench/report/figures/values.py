@@ -51,9 +51,9 @@ def peaks(request: Request) -> Drawing:
     sheet = Sheet.table(2, 1, 4.3, notes, sharex=True, height_ratios=[1.15, 1.0])
     (top, bottom), unit = sheet.panels, unit_of(quantity).factor
     clusters: dict[str, tuple[str, ...]] = request.option("clusters", {})
-    shown = set(table["label"]) & set(request.labels)
+    present = set(table["label"]) & set(request.labels)
     order = dict.fromkeys((*(x for names in clusters.values() for x in names), *request.labels))
-    labels = [label for label in order if label in shown]
+    labels = [label for label in order if label in present]
     if _bands(request, sheet, cases, quantity):
         sheet.legend(Patch(**_BAND, label=f"numerical uncertainty of {request.study.reference}"))
     for i, label in enumerate(labels):
