@@ -62,7 +62,10 @@ class SolverError(WorkbenchError):
 
 
 class OutOfDomainError(WorkbenchError):
-    """A model met a state outside its assumptions; the message says which and what to do."""
+    """A model met a state outside its assumptions; the message, or a finding, says which.
+
+    And what to do.
+    """
 
 
 class CrumpledError(OutOfDomainError):

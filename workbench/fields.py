@@ -9,8 +9,8 @@ from functools import cache
 from html import escape
 from typing import Any, ClassVar, Self
 
-from workbench.errors import InputError, shown
-from workbench.units import in_si, unknown_in
+from workbench.errors import InputError
+from workbench.units import in_si, in_words, unknown_in
 
 _PLAIN = "write a number without quotes"
 DISTRIBUTION = "write a number; distributions are for `workbench fragility` and `sample`"
@@ -227,8 +227,7 @@ def checked(
 def meaning(field: dataclasses.Field[Any]) -> str:
     """Say what a declared field means and may hold; nothing of one that is not declared."""
     data = field.metadata
-    texts = (data["help"], data["rule"].allowed()) if "rule" in data else ()
-    return "; ".join(filter(None, texts))
+    return "; ".join(filter(None, (data["help"], data["rule"].allowed()))) if "rule" in data else ""
 
 
 def path_of(field: dataclasses.Field[Any], table: str) -> str:
@@ -302,14 +301,16 @@ class Declared:
             return InputError(f"{self.TABLE}.{getattr(self, self.LABEL)}", None, allowed, advice)
         return InputError(self._path(field), getattr(self, name), allowed, advice)
 
+    @property
+    def words(self) -> dict[str, str]:
+        """Texts of the fields that are not at their defaults, by name, in units that people use."""
+        rules = _checks(type(self))  # type: ignore[arg-type]
+        kept = ((f, getattr(self, f.name), getattr(rule, "unit", "")) for f, rule, *_ in rules)
+        return {f.name: in_words(x, u) for f, x, u in kept if x not in (None, f.default)}
+
     def _repr_html_(self) -> str:
-        """The fields that are given, with their units, as a table of a notebook."""
-        rows = []
-        for field, rule, _, _ in _checks(type(self)):  # type: ignore[arg-type]
-            value = getattr(self, field.name)
-            text = escape(f"{shown(value)} {getattr(rule, 'unit', '')}")
-            text = value._repr_html_() if isinstance(value, Declared) else text
-            rows += [f"<tr><th>{field.name}</th><td>{text}</td></tr>"] * (value is not None)
+        """The `words` of the fields as a table of a notebook."""
+        rows = (f"<tr><th>{n}</th><td>{escape(text)}</td></tr>" for n, text in self.words.items())
         return f"<table><caption>{type(self).__name__}</caption>{''.join(rows)}</table>"
 
     def _path(self, field: dataclasses.Field[Any]) -> str:
@@ -319,9 +320,8 @@ class Declared:
 
 def is_stack(part: Any) -> bool:
     """Whether something is an array, or a declared object with arrays somewhere in its fields."""
-    if isinstance(part, Declared):
-        return any(is_stack(getattr(part, f.name)) for f in dataclasses.fields(part))
-    return getattr(part, "ndim", 0) > 0
+    inner = dataclasses.fields(part) if isinstance(part, Declared) else ()
+    return getattr(part, "ndim", 0) > 0 or any(is_stack(getattr(part, f.name)) for f in inner)
 
 
 @cache

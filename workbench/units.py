@@ -25,6 +25,37 @@ _NAMES: dict[str, Size] = {
     )
 }
 
+_EVERYDAY = {  # unit: sizes from which on a factor and a name are used, falling
+    "m": ((1.0, 1.0, "m"), (0.0, 1e3, "mm")),
+    "kg": ((1e3, 1e-3, "t"), (0.0, 1.0, "kg")),
+    "s": ((1.0, 1.0, "s"), (0.0, 1e3, "ms")),
+    "Pa": ((1e9, 1e-9, "GPa"), (0.0, 1e-6, "MPa")),
+    **{unit: ((0.0, 1e-3, f"k{unit}"),) for unit in ("N", "N/m", "N m", "J", "N m/rad")},
+    "N or N/m": ((0.0, 1e-3, "kN or kN/m"),),
+    "m2": ((0.0, 1e4, "cm2"),),
+    "m4": ((0.0, 1e8, "cm4"),),
+}
+
+
+def in_words(value: object, unit: str = "") -> str:
+    """A value of the input as people write it: ``1.5 t``, ``15 m/s (54 km/h)``; `unit` in SI.
+
+    Of a part with a name that, of another one its own words; of many how many, and the first ones.
+    """
+    if isinstance(value, tuple):
+        first = ", ".join(in_words(each, unit) for each in value[:4])
+        return f"{first}, ... ({len(value)})" if len(value) > 4 else first
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        parts = getattr(value, "words", {})
+        return str(getattr(value, "name", "")) or (
+            ", ".join(f"{n} ({t})" if ", " in t else f"{n} {t}" for n, t in parts.items())
+            or str(value)
+        )
+    of = (each for each in _EVERYDAY.get(unit, ()) if abs(value) >= each[0])
+    _, factor, name = next(of, (0.0, 1.0, unit))
+    speed = f" ({3.6 * value:.4g} km/h)" if unit == "m/s" else ""
+    return f"{factor * value:.5g} {name}".strip() + speed
+
 
 def in_si(text: str, unit: str) -> float | None:
     """The number that a text with a unit is in the SI `unit`.

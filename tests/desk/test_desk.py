@@ -18,6 +18,7 @@ from matplotlib.axes import Axes
 import workbench as wb
 from workbench.errors import InputError
 from workbench.responses import Finding, Outcome
+from workbench.sections import find
 
 ROOT = Path(wb.__file__).parent
 PAGES, BEGIN = ("README.md", "docs/user-guide.md"), "    import workbench as wb"
@@ -171,3 +172,26 @@ def test_studs_are_fitted_from_a_file(tmp_path: Path) -> None:
     assert fit.relation.formula in shown
     assert shown.count("<table") == 3  # answer, parameters, values for design
     assert all(escape(str(finding)) in shown for finding in fit.findings)
+
+
+def test_a_table_of_answers_prints_all_columns(column: Any) -> None:
+    answers = wb.compare(wb.hit(column, 1500, 5), ["four-dof", "energy-estimate"], "four-dof")
+    for table in (answers.table, answers.table.sort_values("error")):
+        text = str(table)
+        assert "..." not in text
+        assert all(name in text for name in table.columns)
+        assert max(map(len, text.splitlines())) <= 100
+    assert f"{answers.table['error'][1]:.4g}" in str(answers.table)
+
+
+def test_a_notebook_shows_a_scenario_in_units_that_people_use(column: Any) -> None:
+    """What is left at its default is left out; a part in a part is one line."""
+    text = wb.hit(column, mass="1.5 t", velocity="54 km/h")._repr_html_()
+    assert text.count("<table>") == 1
+    assert "mass 1.5 t, velocity 15 m/s (54 km/h)" in text
+    assert "section HEB 220, length_below 800 mm, length_above 3.2 m" in text
+    assert "restitution" not in text
+    frame = wb.regular_frame([3.0] * 4, [4.0, 4.0], find("HEB 200"), find("IPE 300"))
+    assert "(15)" in frame._repr_html_()
+    steel = wb.Steel(yield_stress=355e6, elastic_modulus=200e9)
+    assert {*steel.words.values()} >= {"200 GPa"}

@@ -554,3 +554,49 @@ def test_a_link_restores_the_view(driven):
 def test_hinges_of_frames_are_marked(driven):
     assert driven[2]["circles"][0] > 0  # rigid
     assert driven[2]["circles"][2] == 0  # bare: without hinges
+
+
+STACKED = """(() => {
+  const rows = [...document.querySelectorAll("table.stacks tbody tr")].filter(
+    (row) => row.getBoundingClientRect().width);
+  const cells = rows.flatMap((row) => [...row.cells]);
+  parent.postMessage(JSON.stringify({
+    rows: rows.length,
+    beyond: cells.filter((cell) => cell.getBoundingClientRect().right > innerWidth).length,
+    beside: rows.filter((row) => row.cells[1].getBoundingClientRect().top <
+      row.cells[0].getBoundingClientRect().bottom - 2).length,
+    heads: cells.filter((cell) => cell.dataset.head).map((cell) => cell.dataset.head),
+  }), "*");
+})()"""
+
+
+def test_a_phone_shows_all_columns_of_the_matrix_and_of_the_verdicts(page, built, tmp_path) -> None:
+    """Rows are blocks at 390 px, a line for each cell with the head of its column; not at 1400."""
+    frames, pages = "", {"explorer": page, "report": built["html"].read_text(encoding="utf-8")}
+    for name, text in pages.items():
+        (tmp_path / f"{name}.html").write_text(
+            re.sub(r"<meta http-equiv[^>]*>", "", text).replace(
+                "</body>", f"<script>{STACKED}</script></body>"
+            ),
+            encoding="utf-8",
+        )
+        for width in (390, 1400):
+            style = f"width: {width}px; height: 900px"
+            frames += f'<iframe src="{name}.html" style="{style}"></iframe>'
+    around = tmp_path / "around.html"
+    around.write_text(AROUND.format(frames=frames), encoding="utf-8")
+    flags = ["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=20000"]
+    found = subprocess.run(
+        [browser(), *flags, "--dump-dom", around.as_uri()],
+        check=True,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    ).stdout
+    listed = json.loads(unescape(re.search(r"<pre>(.*?)</pre>", found, re.DOTALL)[1]))
+    for phone, wide in (listed[:2], listed[2:]):
+        assert phone["rows"] > 0
+        assert (phone["beyond"], phone["beside"]) == (0, 0)
+        assert wide["beside"] == wide["rows"]
+    assert "solving took" in listed[0]["heads"]
+    assert {"verdict", "bound", "cases passed"} <= set(listed[2]["heads"])

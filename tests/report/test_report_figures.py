@@ -313,3 +313,21 @@ def test_no_label_is_clipped_at_the_resolution_of_the_page() -> None:
             sheet.canvas.set_dpi(resolution)
             renderer = FigureCanvasAgg(sheet.canvas).get_renderer()
             assert sheet.panel.yaxis.get_tightbbox(renderer).x0 >= 0.0
+
+
+def test_clusters_name_their_points_in_place_of_a_legend(small):
+    """Labels stand at the points of the first case, one above the other's side, clusters below."""
+    whole = request(small, "peaks")
+    labels = whole.labels
+    clusters = {"one side": labels[2:4], "the other": labels[:2]}
+    figure = replace(whole.figure, options={**whole.figure.options, "clusters": clusters})
+    canvas = draw(replace(whole, figure=figure)).canvas
+    top, bottom = canvas.axes
+    shown = [text.get_text() for text in top.texts]
+    assert shown[:4] == [*labels[2:4], *labels[:2]]
+    assert {text.get_text() for text in bottom.texts} == set(clusters)
+    places = [text.xy[0] for text in top.texts]
+    assert places == sorted(places)
+    assert max(places) < 0.5  # inside the slot of the first case
+    kept = [text.get_text() for legend in canvas.legends for text in legend.get_texts()]
+    assert not set(kept) & set(labels)

@@ -93,6 +93,18 @@ def error_of(response: Response) -> ExpectedError:
     return ExpectedError(**json.loads(stored))
 
 
+class Rows(pd.DataFrame):
+    """A table of answers that prints all of its columns, in blocks where they are too many."""
+
+    def __repr__(self) -> str:
+        numbers: Any = {"na_rep": "", "float_format": "{:.4g}".format}
+        return str(self.to_string(index=False, line_width=100, **numbers))
+
+    @property
+    def _constructor(self) -> type[Rows]:
+        return Rows
+
+
 def compared(responses: Mapping[str, Response], reference: str = "") -> pd.DataFrame:
     """A row per answer, SI; `error` is the peak over that of the `reference` less one."""
     rows: list[dict[str, Any]] = []
@@ -104,7 +116,7 @@ def compared(responses: Mapping[str, Response], reference: str = "") -> pd.DataF
             | {name: values.get(name, float("nan")) for name in TABLED}
             | {"wall_time": float(response.attrs["wall_time"]), "findings": ", ".join(warned)}
         )
-    table = pd.DataFrame(rows)
+    table = Rows(rows)
     held = table.loc[table["model"] == reference, PEAK]
     error = table[PEAK] / held.iloc[0] - 1.0 if len(held) else float("nan")
     table.insert(3, "error", error)

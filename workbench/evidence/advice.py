@@ -49,6 +49,7 @@ _BECAUSE = {  # subjects of warnings that a measured error replaces, as its caus
     "striker": "the striker is soft here",
     "hard-impact": "the structure is soft here",
     "catenary": "members are pulled",
+    "short-pulse": "the pulse is much shorter than the period",
     "interaction": "members are pressed",
     "light-striker": "the striker is light",
     "hit-mass": "elements share much mass with the striker",

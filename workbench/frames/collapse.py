@@ -250,7 +250,8 @@ class CollapseWatch:
 
         Without a `time` (s), on a static path, nothing collapses.
         Raises `CrumpledError` where an element crumples: that depends on its length, and other
-        meshes may go on and survive.
+        meshes may go on and survive; `OutOfDomainError` where equilibrium is that of the
+        undeformed frame, which knows no tension of members that hang.
         """
         structure, members = self._structure, self._structure.members
         left, across = members.lengths_left(), self._apart(now=True)
@@ -263,6 +264,8 @@ class CollapseWatch:
         if time is None or not (turned or lost.max() > COLLAPSE_CONTRACTION):
             return
         names: tuple[str, ...]
+        if turned and getattr(structure.assembly.groups[0], "first_order", False):
+            raise OutOfDomainError(finding("undeformed", float(displacement)))
         if turned:
             names = (structure.frame.members[int(across.argmax())].name,)
             mechanism, reason = Mechanism.GEOMETRY, finding("turned-over", float(across.max()))

@@ -14,6 +14,7 @@ import numpy as np
 from workbench.arrays import Array, Indices
 from workbench.frames.structure import POINTS, MemberReader
 from workbench.hinges import YieldSurface
+from workbench.responses import Response, finding, findings_of, set_findings
 from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, Joint, Member
 from workbench.scenarios.parts import RIGID
 from workbench.structures.assembly import PlanarAssembly
@@ -27,6 +28,7 @@ _NEIGHBOURS = 4  # elements of members that meet struck ones; one gives light hi
 _SHARED = 0.05  # of the energy, lost in a first collision with two elements
 _MOST_PARTS = 16
 _STRAIGHT = 1e-6  # m/s2 across a member that do not bend it
+_SOFT = 3.0  # % of axial flexibility that hinges add
 
 
 @dataclass(frozen=True)
@@ -214,6 +216,20 @@ def joint_surface(member: YieldSurface, joint: Joint) -> YieldSurface:
     return YieldSurface(
         tension, positive, squash_load_compression=compression, plastic_moment_negative=negative
     )
+
+
+def softened(response: Response, stiffness: float) -> Response:
+    """The response, with a warning where hinges `stiffness` times as stiff as bars soften it.
+
+    Of one in which nothing yields: they add 1 / n to the axial and, of several elements, 1 / 3n to
+    the bending flexibility, little beside what yields.
+    """
+    spent, brought = response["dissipated"].max(), response["external_work"].max()
+    share = 100.0 / stiffness
+    if share > _SOFT and float(spent) <= 1e-9 * float(brought):
+        soft = finding("elastic-hinges", share, stiffness=stiffness, bending=share / 3.0)
+        set_findings(response, [*findings_of(response), soft])
+    return response
 
 
 class SuperelementMembers(MemberReader):

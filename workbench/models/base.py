@@ -73,16 +73,9 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
     with linear_algebra().limit(limits=1):
         started = time.perf_counter()
         if scenario.KIND not in model.answers:
-            response = refused_response(
-                [
-                    finding(
-                        "kind",
-                        name=model.name,
-                        answers=", ".join(model.answers),
-                        kind=scenario.KIND,
-                    )
-                ]
-            )
+            answers = ", ".join(model.answers)
+            other = finding("kind", name=model.name, answers=answers, kind=scenario.KIND)
+            response = refused_response([other])
             return _signed(response, model, scenario, started)
         warnings: list[Finding] = []
         refusals: list[Finding] = []
@@ -107,7 +100,9 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
             except SolverError as error:
                 response = failed_response(Outcome.NOT_CONVERGED, str(error))
             except OutOfDomainError as error:
-                response = refused_response([Finding("domain", str(error), refusal=True)])
+                known = isinstance(error.args[0], Finding)
+                refusal = error.args[0] if known else Finding("domain", str(error), refusal=True)
+                response = refused_response([refusal])
         if warnings:
             set_findings(response, [*warnings, *findings_of(response)])
         if factor != 1.0:

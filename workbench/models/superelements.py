@@ -34,6 +34,7 @@ from workbench.frames.superelements import (
     hinge_ends,
     joint_surface,
     series,
+    softened,
 )
 from workbench.hinges import ShearSurface, YieldSurface, has_webs
 from workbench.hinges.interaction import fitted_exponents
@@ -58,6 +59,7 @@ from workbench.scenarios import (
     ColumnScenario,
     Frame,
     FrameImpact,
+    FramePulse,
     FrameScenario,
     Member,
 )
@@ -132,8 +134,7 @@ class _HingedBars(BarFrames):
         event = as_frame(scenario)
         if event.STATIC:
             event = with_rate(event, None)
-        parts = tuple(self.parts(event))
-        return _standing(self, event.frame, parts, isinstance(scenario, COLUMNS))
+        return _standing(self, event.frame, tuple(self.parts(event)), isinstance(scenario, COLUMNS))
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
         """As all; compiled steps leave the kept structure as it is."""
@@ -192,9 +193,8 @@ class _HingedBars(BarFrames):
         for name, web in webs.items():
             if web is not None:
                 properties = frame.properties(name)
-                alike.setdefault(
-                    (web, properties.plastic_moment, properties.squash_load), []
-                ).append(name)
+                key = web, properties.plastic_moment, properties.squash_load
+                alike.setdefault(key, []).append(name)
         for (web, *_), names in alike.items():
             more = f" (and {len(names) - 1} alike)" if len(names) > 1 else ""
             findings += panel_findings(web, frame.properties(names[0]), f"member {names[0]}{more}")
@@ -318,8 +318,7 @@ class RigidSuperelement(_HingedBars):
 class FlexibleSuperelement(_HingedBars):
     """Elastic beams between generalized hinges (Heng 2017, paper III).
 
-    Options: `hinge_stiffness`, n of the hinges' n 2EA/L and n 6EI/L (100 and more: rigid-plastic
-    hinges).
+    Option: `hinge_stiffness`, n of the hinges' n 2EA/L and n 6EI/L (100: nearly rigid-plastic).
     """
 
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)
@@ -327,11 +326,15 @@ class FlexibleSuperelement(_HingedBars):
     name: ClassVar[str] = "flexible-superelement"
     version: ClassVar[int] = 18
     assumptions: ClassVar[tuple[str, ...]] = (
-        "Elastic Bernoulli beams, straight against their chord: one element per member leaves out "
-        "P-delta inside the member.",
-        "No rotary inertia of the beams.",
+        "Elastic Bernoulli beams without rotary inertia, straight against their chord: one element "
+        "per member leaves out P-delta inside the member.",
         *COMMON,
     )
+
+    def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
+        """As all; of members that a pulse leaves elastic what hinges add to their flexibility."""
+        response, n = super().run(scenario, structure), self.hinge_stiffness
+        return softened(response, n) if isinstance(scenario, FramePulse) else response
 
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
         n = self.hinge_stiffness

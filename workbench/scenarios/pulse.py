@@ -87,6 +87,14 @@ class Pulse(Declared, table="pulse"):
             return self.peak * (self.length or 0.0)
         return float(self.impulse(self.end))
 
+    @property
+    def lasts(self) -> float:
+        """Length (s) of a rectangular pulse of this largest force and impulse, suction as push."""
+        if self.times is None:
+            return self.whole / self.peak
+        sizes = np.abs(self.factors or ())
+        return float(np.trapezoid(sizes, self.times) / sizes.max())
+
     def force(self, time: ArrayLike) -> Array:
         """Force (N, or N/m) at times >= 0 (s), any shape."""
         t = np.asarray(time, dtype=float)

@@ -28,6 +28,7 @@ from workbench.models.practice.deflected_shape import Stage, beam_of
 from workbench.models.practice.hand_estimate import AXIAL, AXIAL_HELP, SECTION, plastic_moment
 from workbench.models.resistance import Resistance, ResistanceCurve, mechanism_of
 from workbench.models.resistance import curve as events
+from workbench.models.resistance.columns import STAGES
 from workbench.models.resistance.curve import straight_pieces
 from workbench.models.resistance.given import digest, given_curve, is_given
 from workbench.models.resistance.kernels import PIECE
@@ -51,7 +52,7 @@ class Biggs(SingleDof):
     direct_shear: str = checked(
         DIRECT_SHEAR, NONE, help="resistance to the slip of either end under a line load"
     )
-    resistance: ClassVar[str] = "stages"  # type: ignore[misc]
+    resistance: ClassVar[str] = STAGES  # type: ignore[misc]
     rotational_stiffness: ClassVar[None] = None  # type: ignore[misc]
     rate_factor: ClassVar[None] = None  # type: ignore[misc]
     interaction: ClassVar[str] = SECTION  # type: ignore[misc]
@@ -235,7 +236,7 @@ def stage_curve(column: Column, stages: tuple[Stage, ...], uniform: bool) -> Res
             place = _PLACES[min(stage.hinges - before)]
             piece["group"] = mechanism.groups.index(place)
         before = stage.hinges
-    return ResistanceCurve("stages", mechanism, pieces, stages[1].start)
+    return ResistanceCurve(STAGES, mechanism, pieces, stages[1].start)
 
 
 def slip_resistance(column: Column, law: str) -> ResistanceCurve:

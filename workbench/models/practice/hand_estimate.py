@@ -8,7 +8,6 @@ off R.
 """
 
 from dataclasses import dataclass
-from math import inf
 from typing import ClassVar
 
 import numpy as np
@@ -17,7 +16,8 @@ from workbench.fields import Choice, checked
 from workbench.models.base import Answering
 from workbench.models.domain import member_findings
 from workbench.models.energy_estimate import energy_to_absorb, no_restitution, weights_of
-from workbench.models.resistance import columns
+from workbench.models.resistance import ResistanceCurve, columns, mechanism_of
+from workbench.models.resistance.curve import straight_pieces
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact
 
@@ -81,13 +81,15 @@ class HandEstimate(Answering):
     def _solve(self, scenario: ColumnImpact) -> Response:
         column, striker = scenario.column, scenario.striker
         force = mechanism_load(column, self.axial) - weights_of(scenario)
-        displacement = energy_to_absorb(scenario) / force if force > 0.0 else inf
-        if displacement >= columns.reach(column):
-            raise columns.out_of_reach(column, columns.reach(column))
+        energy, reach = energy_to_absorb(scenario), columns.reach(column)
+        if energy >= force * reach:
+            pieces = straight_pieces(np.array([0.0, reach]), np.array([force, force]))
+            curve = ResistanceCurve(columns.MECHANISM, mechanism_of(column), pieces, 0.0)
+            raise columns.collapsed(curve, column, reach, energy=energy)
         time = striker.mass * striker.velocity / force
         values = {
-            "peak_displacement": displacement,
-            "residual_displacement": displacement,
+            "peak_displacement": energy / force,
+            "residual_displacement": energy / force,
             "time_of_peak": time if striker.restitution == 0.0 else None,
             "input_energy": scenario.input_energy,
         }

@@ -21,6 +21,7 @@ from workbench.frames.collapse import COLLAPSE_SIDEWAYS
 from workbench.hinges import ShearSurface
 from workbench.models.domain import buckling_findings, member_findings
 from workbench.models.four_dof import FourDofShear
+from workbench.models.practice.deflected_shape import beam_of
 from workbench.models.resistance.curve import (
     SECTION,
     Mechanism,
@@ -32,7 +33,8 @@ from workbench.models.resistance.curve import (
 from workbench.models.resistance.given import GIVEN, NOTHING, PANEL, given_curve, is_given
 from workbench.models.resistance.shapes import RESISTANCES, Rows, resistance_curve
 from workbench.responses import Finding, finding
-from workbench.scenarios import Column, ColumnPushover, ColumnScenario
+from workbench.scenarios import Column, ColumnPushover, ColumnScenario, MemberPulse
+from workbench.scenarios.pulse import UNIFORM
 from workbench.scenarios.varied import spread
 
 
@@ -119,8 +121,11 @@ def column_curve(
 
 SEGMENTS = ("below", "above")
 _PARTS = 1000  # of the way to collapse, in which a displacement is looked for
+BENDING = STAGES, MECHANISM = "stages", "mechanism"  # shapes without an axial force
 _FLOWS = 1e-9  # of the elastic energy; round-off of an elastic push dissipates some 1e-15 of it
 _ROTATION = 0.5  # rad; small rotations change the force by about 7 % here
+_SHORT = 0.15  # of the period: below, higher modes and bending beside the force take much
+_SOFT = 0.03  # of an elastic peak, by bars that stretch less than the member
 _WORK = 0.10  # share by which a simplification may leave the analytic curve without a warning
 
 
@@ -159,19 +164,39 @@ def displacement_under(curve: ResistanceCurve, column: Column, force: float) -> 
 
 
 def collapsed(
-    curve: ResistanceCurve, column: Column, displacement: float, time: float | None = None
+    curve: ResistanceCurve,
+    column: Column,
+    displacement: float,
+    time: float | None = None,
+    energy: float = 0.0,
 ) -> CollapseError | OutOfDomainError:
     """How a column collapses that has come to the limit of its resistance `curve`.
 
-    Arguments: the `displacement` (m) that it has reached, at a `time` (s; None: not known).
-    No collapse is the end of a curve that was given.
+    Arguments: the `displacement` (m) that it has reached, at a `time` (s; None: not known); the
+    `energy` (J) brought in until then, which counts on curves of bending alone.
+    No collapse is the end of a curve that was given, nor of one of bending alone where catenary
+    action may hold the column: nothing is known of what follows.
     """
     if curve.end * (1.0 + 1e-9) < min(curve.lost_at, reach(column)):
         return OutOfDomainError(
             f"the resistance curve that is given ends at {curve.end:.4g} m, the column goes on: "
             "give points beyond"
         )
-    return fallen(column, curve.lost_at <= reach(column), displacement, time)
+    lost = curve.lost_at <= reach(column)
+    if not lost and curve.shape in BENDING and _may_hang(curve, displacement, energy):
+        return OutOfDomainError(finding("last-stage", displacement))
+    return fallen(column, lost, displacement, time)
+
+
+def _may_hang(curve: ResistanceCurve, displacement: float, energy: float) -> bool:
+    """Whether tension, which a `curve` of bending alone leaves out, may stop a column.
+
+    Where its ends are held apart and the analytic curve absorbs the `energy` (J) or does not hold.
+    """
+    if np.isinf(curve.mechanism.axial_flexibility):
+        return False
+    companion = _analytic_companion(curve)
+    return companion is None or bool(companion.work(displacement) > energy)
 
 
 def fallen(
@@ -255,6 +280,35 @@ def _reached_findings(
             name = "simplified-work-unsafe" if simplified > exact else "simplified-work"
             work: dict[str, Any] = {"simplified": simplified / 1e3, "exact": exact / 1e3}
             findings.append(finding(name, displacement=displacement, shape=curve.shape, **work))
+    return findings
+
+
+def of_one_shape(
+    scenario: MemberPulse, curve: ResistanceCurve, mass: float, top: float
+) -> list[Finding]:
+    """Warnings of what one shape of deflection leaves out of a member that has come to `top` (m).
+
+    Arguments: resistance `curve` and elastic `mass` (kg) of the shape.
+    A pulse much shorter than the period. An elastic member whose ends are held apart: its shape
+    stretches by Lambda v^2 (see `Shape.stretching`), two straight bars by less; a step then makes
+    the work of the resistance F v, which the shape does at a smaller v.
+    """
+    uniform = scenario.load == UNIFORM
+    stiffness, softness = curve.initial_stiffness, curve.mechanism.axial_flexibility
+    lasts = scenario.pulse.lasts / (2.0 * np.pi * np.sqrt(mass / stiffness))
+    findings = [finding("short-pulse", lasts, limit=_SHORT)] if lasts < _SHORT else []
+    if curve.shape == GIVEN or top > curve.elastic_limit or np.isinf(softness) or top <= 0.0:
+        return findings
+    elastic, *_, rigid = beam_of(scenario.column, uniform).stages(np.ones(3))
+    pulled = elastic.shape.stretching**2 / softness * rigid.load_factor / elastic.load_factor
+    mean = float(curve.work(top)) / top
+
+    def missing(v: float) -> float:
+        return 0.5 * (stiffness + pulled * v**2) * v - mean
+
+    if missing(top) > 0.0:
+        excess = top / brentq(missing, 0.0, top) - 1.0
+        findings += [finding("straight-bars", 100.0 * excess)] if excess > _SOFT else []
     return findings
 
 

@@ -21,6 +21,7 @@ from workbench.impact.pace import Pace
 from workbench.impact.records import Run, follow, followed
 from workbench.models.batch import LOST, SURVIVES, UNKNOWN, Answers
 from workbench.models.domain import step_finding
+from workbench.models.energy_estimate import energy_to_absorb
 from workbench.models.hit_mass import with_hit_mass
 from workbench.models.resistance import PANEL, OnCurve, ResistanceCurve, column_curve, columns
 from workbench.models.resistance.columns import rows_of
@@ -196,8 +197,8 @@ class SingleDof(OnCurve):
         run = follow(entry, tables, pace, drive, march.RECORD, striker, gravity)
         if run.collapsed:
             v, w = (float(run.records[name][-1]) for name in ("displacement", "velocity"))
-            when = run.progress["time"] - (v + sag - limit) / w
-            raise columns.collapsed(curve, column, limit - sag, when)
+            when, energy = run.progress["time"] - (v + sag - limit) / w, energy_to_absorb(scenario)
+            raise columns.collapsed(curve, column, limit - sag, when, energy)
         return run, curve, sag
 
     def period(self, column: Column) -> float:

@@ -158,7 +158,8 @@ def push(
     records = run.records
     if run.collapsed:
         reached, when = float(records["displacement"][-1]), float(records["time"][-1])
-        raise columns.collapsed(curve, column, reached, when)
+        brought = float(records["external_work"][-1])
+        raise columns.collapsed(curve, column, reached, when, brought)
     values: dict[str, Any] = {name: records[name] for name in ("displacement", "velocity", "force")}
     if pushed.at_hit:
         values |= {name: records[name] for name in ("kinetic", "elastic", "dissipated")}
@@ -184,6 +185,7 @@ def pulse_response(
     curve, sag = pushed.curve, columns.displacement_under(pushed.curve, column, weight)
     top = abs(largest_of(values["displacement"] + sag))
     shear, warnings = columns.reached(curve, column, top)
+    warnings = [*warnings, *columns.of_one_shape(scenario, curve, pushed.stages[0][1], top)]
     values["load"] = scenario.whole * scenario.pulse.force(time)
     if scenario.load != UNIFORM:  # a line load makes shear of its own
         values["shear_utilisation"] = shear

@@ -315,6 +315,7 @@ const row = (table, texts, tones = []) => {
   texts.forEach((text, i) => {
     const one = line.appendChild(document.createElement(i ? "td" : "th"));
     one.textContent = text || "–";
+    if (i) one.dataset.head = table.parentElement.tHead.rows[0].cells[i].textContent;
     if (tones[i]) one.className = tones[i];
   });
   return line;

@@ -1,7 +1,8 @@
 """Single values of all labels: against the reference, against tests, with their budgets of error.
 
 ``peaks``, options: `quantity` (a scalar, default ``peak_displacement``), `against` (a label;
-default the reference), `cases`.
+default the reference), `cases`, `clusters` (name: labels): points of a cluster stand side by side,
+named where the values of the first case leave room, in place of a legend.
 ``tests``: measured against predicted, one panel per model, with the half-widths of both sides.
 Option: `quantity` (a scalar, default the first of the study). Made numbers are named so.
 ``budget``: bars per term and their sums, one panel per model, same axes. Options: `case` (default
@@ -49,7 +50,10 @@ def peaks(request: Request) -> Drawing:
         return nothing(f"No model answered these cases with {title_of(quantity)}.")
     sheet = Sheet.table(2, 1, 4.3, notes, sharex=True, height_ratios=[1.15, 1.0])
     (top, bottom), unit = sheet.panels, unit_of(quantity).factor
-    labels = [label for label in request.labels if label in set(table["label"])]
+    clusters: dict[str, tuple[str, ...]] = request.option("clusters", {})
+    present = set(table["label"]) & set(request.labels)
+    order = dict.fromkeys((*(x for names in clusters.values() for x in names), *request.labels))
+    labels = [label for label in order if label in present]
     if _bands(request, sheet, cases, quantity):
         sheet.legend(Patch(**_BAND, label=f"numerical uncertainty of {request.study.reference}"))
     for i, label in enumerate(labels):
@@ -60,7 +64,8 @@ def peaks(request: Request) -> Drawing:
             y, width = shown.to_numpy(float).T
             panel.errorbar(x, y, yerr=width, fmt="none", ecolor=MUTED, lw=0.9, capsize=cap)
             panel.plot(x, y, **look)
-        sheet.legend(entry(label, **look))
+        if not clusters:
+            sheet.legend(entry(label, **look))
     _slots(sheet, [case.name for case in cases])
     for case in cases:  # for the notes on what is absent
         request.answers(case, sheet.absent, (quantity,), title_of(quantity))
@@ -70,12 +75,39 @@ def peaks(request: Request) -> Drawing:
     bottom.set_ylabel(textwrap.fill(f"deviation from {against} (%)", 26))
     bottom.margins(y=0.12)
     bottom.axhline(0.0, color=INK, linewidth=0.8, zorder=1)
+    if clusters:
+        _names(sheet, table, labels, clusters, unit)
     if table["relative_error"].isna().all():
         words = f"no comparison with {against}"
         bottom.text(0.5, 0.5, words, transform=bottom.transAxes, ha="center")
     sheet.record(table.drop(columns="slot"))
     alt = f"{title_of(quantity)} of {', '.join(labels)}, and deviations from {against}"
     return sheet.finish(alt)
+
+
+def _names(
+    sheet: Sheet,
+    table: pd.DataFrame,
+    labels: list[str],
+    clusters: dict[str, tuple[str, ...]],
+    unit: float,
+) -> None:
+    """Names beside the points of the first case: of labels above, upright; of clusters below."""
+    (top, bottom), slot = sheet.panels, table["slot"].min()
+    rows = table[table["slot"] == slot].set_index("label")
+    place = {n: slot + _ROOM * ((i + 0.5) / len(labels) - 0.5) for i, n in enumerate(labels)}
+    for label in (label for label in labels if label in rows.index):
+        at = place[label], unit * rows.loc[label].iloc[1]
+        upright: Style = {"rotation": 90, "va": "bottom", "ha": "center", "fontsize": 6.5}
+        top.annotate(label, at, (0, 6), textcoords="offset points", **upright)
+    for name, members in clusters.items():
+        shown = [label for label in members if label in rows.index]
+        deviations = 100.0 * rows.loc[shown, "relative_error"].fillna(0.0)
+        middle = float(np.mean([place[label] for label in shown]))
+        below = deviations.mean() < 0.0
+        at = middle, float(deviations.min() if below else deviations.max())
+        beside: Style = {"ha": "center", "va": "top" if below else "bottom", "fontsize": 7.5}
+        bottom.annotate(name, at, (0, -7 if below else 7), textcoords="offset points", **beside)
 
 
 def _known(request: Request, quantity: str, notes: list[str]) -> list[Case]:
