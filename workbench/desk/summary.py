@@ -37,6 +37,7 @@ FORCE_UNMEASURED = (
     "the error of the largest contact force was not measured; it hangs on the mass that a model "
     "gives the hit point, and models that agree in displacement differ in it"
 )
+OPEN = "stands or not: the record ends before the peak"
 TABLED = (PEAK, "time_of_peak", "residual_displacement", "peak_force", "impulse")
 
 
@@ -48,7 +49,7 @@ def headline(response: Response) -> str:
         parts.insert(0, f"{in_unit(values[PEAK], PEAK, 3)}{_interval(values[PEAK], error)}")
     elif "force" in response:
         parts.insert(0, f"largest force {in_unit(float(response['force'].max()), 'force', 3)}")
-    elif values:
+    elif values and fate_of(response) != OPEN:
         name, value = next(iter(values.items()))
         parts.insert(0, f"{VARIABLES[name].long_name} {in_unit(value, name, 3)}")
     model, because = response.attrs["model"], response.attrs.get("because", "as asked")
@@ -66,15 +67,21 @@ def fate_of(response: Response) -> str:
     if not outcome_of(response).is_answer:
         return f"no answer, {outcome_of(response).value}"
     if known is None:
-        return "stands or not: the record ends before the peak"
+        return OPEN
     return "stands" if PEAK in response or "force" in response else ""
 
 
 def _interval(peak: float, error: ExpectedError) -> str:
-    """The interval of 90 %, and what is expected of an answer that lies outside of it."""
-    if error.low is None or error.high is None:
+    """The interval of 90 %, and what is expected of an answer that lies outside of it.
+
+    Close to collapse it has a lower end alone.
+    """
+    if error.high is None:
         return ""
     factor = unit_of(PEAK).factor
+    if error.low is None:
+        least = in_unit(peak / (1.0 + error.high), PEAK, 3)
+        return f", at least {least}; {error.reason}"
     least, most = (number(peak / (1.0 + share) * factor, 3) for share in (error.high, error.low))
     middle = ""
     if error.expected is not None and not error.low <= 0.0 <= error.high:
@@ -145,7 +152,7 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         "places": places_of(response),
         **_parts(response, scenario),
         "rate_factor": response.attrs.get("rate_factor"),
-        "notes": _notes(scenario, last("peak_force") is not None),
+        "notes": _notes(scenario, last("peak_force") is not None) + _longer(response, scenario),
         "error": attribute("error"),
         "numerical_uncertainty": attribute("numerical_uncertainty"),
         "refinement": attribute("refinement"),
@@ -184,6 +191,15 @@ def _notes(scenario: Scenario, has_force: bool) -> list[str]:
         return []
     rigid = striker.mass >= LIGHTEST and not striker.crushes
     return [UPPER_BOUND] * rigid + [FORCE_UNMEASURED] * has_force
+
+
+def _longer(response: Response, scenario: Scenario) -> list[str]:
+    """Whether the record was made longer than the scenario has it."""
+    wanted = getattr(scenario, "duration", None)
+    if wanted is None or "time" not in response or response["time"].values[-1] < 1.5 * wanted:
+        return []
+    text = f"the record of {wanted:g} s ends before the peak, and was made longer"
+    return [f"{text}: {float(response['time'].values[-1]):.3g} s"]
 
 
 def _parts(response: Response, scenario: Scenario) -> dict[str, Any]:
