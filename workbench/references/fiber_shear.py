@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from workbench.materials import Steel
-from workbench.models.domain import DIRECT_SHEAR, shear_demand
+from workbench.models.domain import DIRECT_SHEAR, shear_demand, web_findings, web_of
+from workbench.models.frame_model import as_frame
 from workbench.references.fiber_mesh import SHEAR_RULE, MeshRule
 from workbench.references.fiber_reissner import BEAMS, ExactBeams
 from workbench.responses import Finding, finding
@@ -53,11 +54,13 @@ class FiberShear(ExactBeams):
         )
 
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
-        """As all; and pulses that webs decide, which are those between the flanges here.
+        """As all; webs that buckle; and pulses that webs decide, between the flanges here.
 
         At the ends of a line load all webs that yield slide alike, see docs/theory/shear-panel.md.
         """
-        findings = super().domain(scenario)
+        frame = as_frame(scenario).frame
+        webs = {m.name: web_of(frame.strength_section(m), frame.steel) for m in frame.members}
+        findings = super().domain(scenario) + web_findings(webs)
         if isinstance(scenario, MemberPulse):
             if scenario.load == UNIFORM:
                 findings = [each for each in findings if each.subject != DIRECT_SHEAR]

@@ -162,7 +162,7 @@ class FourDofShear(RigidBars):
             return [finding("no-flanges", name=column.section.name)]
         surface = self.surface(column)
         lengths = {"below": column.length_below, "above": column.length_above}
-        findings = panel_findings(surface, column.properties, "the column")
+        findings = panel_findings(surface, column.properties)
         return findings + stub_findings(surface, lengths)
 
     def _reached(self, column: Column, values: dict[str, Any]) -> list[Finding]:
