@@ -17,6 +17,7 @@ from workbench.evidence.error_model import ExpectedError, anchor_error, expected
 from workbench.evidence.error_table import ANCHOR, FINEST, REFERENCE, table_of
 from workbench.frames.runs import LARGEST_SHEAR_STRAIN
 from workbench.models.base import Model, findings_before
+from workbench.models.hinge_limits import SPREAD
 from workbench.models.resistance import column_curve
 from workbench.models.strain_rate import with_strain_rate
 from workbench.registry import make_model
@@ -230,15 +231,28 @@ def doubts(name: str, scenario: Any) -> tuple[str, ...]:
 def _beforehand(model: Model, scenario: Any) -> list[Finding]:
     """What is said before a model answers, and whether the reference would shear too far.
 
-    A striker that crushes takes the energy that would do it.
+    And of a push whether the anchor leaves out much yielding between hinges. A striker that crushes takes the energy that would do it.
     """
     findings = findings_before(model, scenario, with_strain_rate(model, scenario)[2])
-    if model.name != REFERENCE or not isinstance(scenario, ColumnImpact) or scenario.striker.crushes:
+    if model.name == ANCHOR and scenario.STATIC:
+        findings += _spread(scenario)
+    if (
+        model.name != REFERENCE
+        or not isinstance(scenario, ColumnImpact)
+        or scenario.striker.crushes
+    ):
         return findings
     hit, largest = features(scenario), LARGEST_SHEAR_STRAIN
     if hit[DEMAND] > 1.0 and hit["turned"] > largest:
         findings.append(finding("shears-far", hit["turned"], largest=largest))
     return findings
+
+
+@lru_cache(maxsize=64)
+def _spread(scenario: Any) -> tuple[Finding, ...]:
+    """What a run of the anchor says of yielding between hinges."""
+    response = make_model(ANCHOR).simulate(scenario)
+    return tuple(each for each in findings_of(response) if each.subject == SPREAD)
 
 
 @lru_cache(maxsize=len(ORDER))

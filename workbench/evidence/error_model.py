@@ -98,7 +98,9 @@ def expected_error(scenario: Any, response: Response) -> ExpectedError:
     table = table_of(scenario)
     by_anchor = table is not None and _is_anchor(response, table.anchor)
     error = _error(scenario, name, peak, peak if by_anchor else None)
-    return error if error.near_collapse else replace(error, residual=residual_ends(scenario, response))
+    return (
+        error if error.near_collapse else replace(error, residual=residual_ends(scenario, response))
+    )
 
 
 def anchor_error(scenario: Any) -> ExpectedError:
