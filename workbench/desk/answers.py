@@ -127,9 +127,10 @@ def simulate(
     Returns
     -------
     xarray.Dataset
-        Of a record that is made longer where it ends before its peak. Histories over ``time`` (s) or ``step``, scalars and energies in SI units. Its accessor
-        ``.workbench`` gives `findings`, `outcome`, numbers and plots, of a collapse too: that is an
-        answer, as a refusal is, and no exception.
+        Histories over ``time`` (s) or ``step``, scalars and energies in SI units, of a record that
+        is made longer where it ends before its peak. Its accessor ``.workbench`` gives `findings`,
+        `outcome`, numbers and plots, of a collapse too: that is an answer, as a refusal is, and no
+        exception.
 
     Raises
     ------

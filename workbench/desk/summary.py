@@ -196,10 +196,10 @@ def _notes(scenario: Scenario, has_force: bool) -> list[str]:
 def _longer(response: Response, scenario: Scenario) -> list[str]:
     """Whether the record was made longer than the scenario has it."""
     wanted = getattr(scenario, "duration", None)
-    if wanted is None or "time" not in response or response["time"].values[-1] < 1.5 * wanted:
+    end = 0.0 if "time" not in response else float(response["time"][-1])
+    if wanted is None or end < 1.5 * wanted:
         return []
-    text = f"the record of {wanted:g} s ends before the peak, and was made longer"
-    return [f"{text}: {float(response['time'].values[-1]):.3g} s"]
+    return [f"the record of {wanted:g} s ends before the peak, and was made {end:.3g} s long"]
 
 
 def _parts(response: Response, scenario: Scenario) -> dict[str, Any]:

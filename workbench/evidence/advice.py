@@ -231,7 +231,8 @@ def doubts(name: str, scenario: Any) -> tuple[str, ...]:
 def _beforehand(model: Model, scenario: Any) -> list[Finding]:
     """What is said before a model answers, and whether the reference would shear too far.
 
-    And of a push whether the anchor leaves out much yielding between hinges. A striker that crushes takes the energy that would do it.
+    A striker that crushes takes the energy that would do it. Of a push also whether the anchor
+    leaves out much yielding between hinges.
     """
     findings = findings_before(model, scenario, with_strain_rate(model, scenario)[2])
     if model.name == ANCHOR and scenario.STATIC:

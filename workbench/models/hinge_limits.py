@@ -87,7 +87,7 @@ def spread_findings(scenario: Any, response: Response) -> list[Finding]:
 
 @lru_cache(maxsize=256)
 def _beyond_elastic(section: Section) -> tuple[Array, Array]:
-    """Moments over the plastic one, and plastic curvatures times EI over it, from first yield on."""
+    """Moments and plastic curvatures times EI, over the plastic moment, from first yield on."""
     y, area = section.fibers(FIBERS)
     stress = np.clip(BENT[:, None] * y * 2.0 / section.height, -1.0, 1.0)
     moment = stress @ (y * area) / float(np.abs(y) @ area)

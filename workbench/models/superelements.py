@@ -38,7 +38,6 @@ from workbench.frames.superelements import (
 from workbench.hinges import ShearSurface, YieldSurface
 from workbench.hinges.interaction import fitted_exponents
 from workbench.impact.pace import Pace
-from workbench.materials import Steel
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
 from workbench.models.batch import admitted
 from workbench.models.domain import DIRECT_SHEAR, given_strength, web_findings, web_of
@@ -61,7 +60,6 @@ from workbench.scenarios import (
     FrameScenario,
     Member,
 )
-from workbench.sections import Section
 from workbench.structures.impact import MIDPOINT, MOREAU
 from workbench.structures.superelements import Superelement, Superelements, sway_stiffness
 
@@ -79,8 +77,8 @@ COMMON = (
     "weaker than the member interact linearly.",
     "Webs of I, box and tube sections deform and yield in shear (option shear = panel), with the "
     "N-M-V domain of the plates at both ends, root fillets in the flanges; beside joints weaker "
-    "than the member, and in other sections, members are rigid in shear; with a given strength webs "
-    "deform elastically.",
+    "than the member, and in other sections, members are rigid in shear; with a given strength "
+    "their webs are elastic.",
     "No local buckling; strain rate by one factor, or, with rate_level = bars, rate and hardening "
     "at every point of the bars, of flanges and web apart where webs yield.",
 )
