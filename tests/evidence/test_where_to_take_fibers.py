@@ -16,7 +16,7 @@ from workbench.evidence.error_model import OPEN_END
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.fiber_shear import FiberShear
-from workbench.responses import findings_of, outcome_of, refusal_message
+from workbench.responses import findings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, scenario_from, to_toml
 
 PROBE = FiberReissner(levels=1)
@@ -85,7 +85,7 @@ def test_what_yields_between_hinges_is_said_as_large_as_fibers_find_it(scenario,
     found = [each for each in findings_of(answer) if each.subject == "spread"]
     assert bool(found) is warned
     if warned:
-        assert found[0].number == pytest.approx(more, abs=0.1)
+        assert found[0].number == pytest.approx(more, rel=0.15, abs=0.03)
         assert (choose(scenario).model, found[0].limit) == (REFERENCE, 0.1)
     else:
         assert more < 0.1
@@ -159,7 +159,7 @@ def test_the_girt_is_answered_by_the_default_route() -> None:
 
 
 def test_a_given_plastic_moment_is_honoured() -> None:
-    """Two spans of 12 m, Mp 432 kN m: a force at mid-span of the first makes 6 Mp / 12 m, 216 kN."""
+    """Two spans of 12 m, Mp 432 kN m: the force at mid-span of the first is 6 Mp / 12 m, 216 kN."""
     nodes = {"A": (0.0, "pinned"), "P": (6.0, ""), "B": (12.0, "roller-x"), "C": (24.0, "roller-x")}
     tables = {
         "kind": "frame-static",
@@ -189,7 +189,7 @@ def test_a_given_plastic_moment_is_honoured() -> None:
 def hea140() -> ColumnImpact:
     """A heavy striker, slow: fibers reach 750 mm where the anchor has 217."""
     restrained = {"restraint_stiffness": 4.93e5, "head_mass": 1841.0}
-    column = Column("HEA 140", 1.45, 3.789, "clamped", "pinned", axial_load=255.4e3, **restrained)
+    column = Column("HEA 140", 1.45, 3.789, head="pinned", axial_load=255.4e3, **restrained)
     column = replace(column, steel=replace(column.steel, yield_stress=250e6))
     return wb.hit(column, mass=9711, velocity=1.09, duration=1.09, name="HEA 140")
 
@@ -206,9 +206,10 @@ def test_close_to_collapse_the_interval_has_no_upper_end(tmp_path, capsys) -> No
         assert error["residual"] is None
         assert error["high"] > 0.0
         assert error["reason"] == OPEN_END
-        assert " mm, at least 19" in answer["headline"]
-        assert f" mm; {OPEN_END}; stands" in answer["headline"]
-        (warning,) = (w for w in answer["warnings"] if w["subject"] == "close-to-collapse")
+        headline = answer["headline"].replace("\xa0", " ")
+        assert " mm, at least 19" in headline
+        assert f" mm; {OPEN_END}; stands" in headline
+        assert "close-to-collapse" in {w["subject"] for w in answer["warnings"]}
         assert run(["simulate", str(file), "--model", model]) == 0
         text = capsys.readouterr().out
         assert "chance of collapse" not in text
@@ -250,7 +251,7 @@ def test_a_record_is_made_longer_until_its_peak(soft, capsys) -> None:
     answer = json.loads(capsys.readouterr().out)
     assert answer["peak_force"] == pytest.approx(30.0 / 3.6 * sqrt(300e3 * 7500.0), rel=0.02)
     assert answer["time_of_peak"] == pytest.approx(0.25, abs=0.02)
-    assert answer["headline"].startswith(f"{1e3 * answer['peak_displacement']:.2f} mm; stands")
+    assert answer["headline"].startswith(f"{1e3 * answer['peak_displacement']:.2f}\xa0mm; stands")
     assert any("was made 0.4 s long" in note for note in answer["notes"])
     assert answer["error"]["reason"] == "errors were measured with rigid strikers"
     assert (

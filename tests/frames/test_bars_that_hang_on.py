@@ -18,7 +18,12 @@ from workbench.scenarios import Column, ColumnImpact
 def hung(velocity: float, stiffness: float = 448e3) -> ColumnImpact:
     """A UC whose spring takes over from the dead load when both bars have turned far."""
     column = Column(
-        "UC 203x203x46", 1.45, 2.03, "pinned", axial_load=548.4e3, restraint_stiffness=stiffness
+        "UC 203x203x46",
+        1.45,
+        2.03,
+        base="pinned",
+        axial_load=548.4e3,
+        restraint_stiffness=stiffness,
     )
     return wb.hit(column, mass=1100, velocity=velocity, duration=0.3)
 

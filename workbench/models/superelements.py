@@ -40,8 +40,9 @@ from workbench.hinges.interaction import fitted_exponents
 from workbench.impact.pace import Pace
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
 from workbench.models.batch import admitted
-from workbench.models.domain import DIRECT_SHEAR, given_strength, web_findings, web_of
+from workbench.models.domain import DIRECT_SHEAR
 from workbench.models.frame_model import COLUMNS, Clock, as_column, as_frame
+from workbench.models.hinge_limits import given_strength, web_findings, web_of
 from workbench.models.strain_rate import (
     FACTOR,
     RATE_LEVELS,
@@ -274,7 +275,7 @@ class RigidSuperelement(_HingedBars):
     inertia: str = checked(Choice(INERTIAS), "nonlinear")
 
     name: ClassVar[str] = "rigid-superelement"
-    version: ClassVar[int] = 19
+    version: ClassVar[int] = 20
     least_parts: ClassVar[int] = 2
     far_parts: ClassVar[int] = 1  # with two rigid bars two of 34 frames were 11 and 18 % low
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -320,7 +321,7 @@ class FlexibleSuperelement(_HingedBars):
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)
 
     name: ClassVar[str] = "flexible-superelement"
-    version: ClassVar[int] = 18
+    version: ClassVar[int] = 19
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic Bernoulli beams, straight against their chord: one element per member leaves out "
         "P-delta inside the member.",

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from workbench.materials import Steel
-from workbench.models.domain import DIRECT_SHEAR, shear_demand, web_findings, web_of
+from workbench.models.domain import DIRECT_SHEAR, shear_demand
 from workbench.models.frame_model import as_frame
+from workbench.models.hinge_limits import web_findings, web_of
 from workbench.references.fiber_mesh import SHEAR_RULE, MeshRule
 from workbench.references.fiber_reissner import BEAMS, ExactBeams
 from workbench.responses import Finding, finding
@@ -29,7 +30,7 @@ class FiberShear(ExactBeams):
 
     name: ClassVar[str] = "fiber-shear"
     material: ClassVar[tuple[str, ...]] = ("rate", "hardening")
-    version: ClassVar[int] = 7
+    version: ClassVar[int] = 8
     shear_yields: ClassVar[bool] = True
     longer: ClassVar[float] = 2.0  # webs that yield take the waves out
     assumptions: ClassVar[tuple[str, ...]] = (
