@@ -68,7 +68,9 @@ def answered(peak: float, name: str = "plug-in"):
 def stored(monkeypatch: pytest.MonkeyPatch):
     """Peaks of the anchor are looked up in the table, or given, and not computed."""
     peaks = dict(zip(COLUMNS.rows["case"], COLUMNS.rows[ANCHOR], strict=True))
-    monkeypatch.setattr(error_model, "_anchor", lambda hit: (peaks[hit.name], nan))
+    monkeypatch.setattr(
+        error_model, "_anchor", lambda hit: error_model.Reached(peaks[hit.name], nan)
+    )
     return peaks
 
 

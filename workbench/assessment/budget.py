@@ -119,6 +119,5 @@ def model_form(error: Mapping[str, Any], quantity: str, value: float) -> Term:
     elif error.get("expected") is not None:
         off, least, most = (log1p(error[name]) for name in ("expected", "low", "high"))
         reason = f"{error['count']} drawn scenarios, {error['cell']}"
-        reason += "; close to collapse" if error["near_collapse"] else ""
         return Term(MODEL_FORM, reason, f"through {error['anchor']}", -off, most - off, off - least)
     return Term(MODEL_FORM, reason, "", 0.0, None, None)

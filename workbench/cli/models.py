@@ -98,7 +98,7 @@ def _advice(
 
 
 def _subjects(findings: list[Finding], chosen: Callable[[Finding], bool]) -> str:
-    return ", ".join(dict.fromkeys(f.subject for f in findings if chosen(f)))
+    return ", ".join(dict.fromkeys(f.subject for f in findings if chosen(f))) or "no"
 
 
 def _entry(offer: Offer) -> dict[str, Any]:

@@ -92,7 +92,7 @@ def simulate(
     reference = "" if model else quick_reference(given)
     if reference and reference != first.attrs["model"]:
         with at_work(f"{reference}, a reference, at work"):
-            answers[reference] = simulate(given, reference)
+            answers[reference] = simulate(first.workbench.scenario, reference)  # of its record
     if target is not None:
         _write(target, given, first)
     named = {each.attrs["model"]: each for each in answers.values()}
@@ -203,6 +203,8 @@ def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -
     error = ExpectedError(**answer["error"])
     if error.collapse is not None:
         yield Paragraph(f"Error of the peak displacement: {error}.")
+    elif answer[PEAK] is not None and error.high is None:
+        yield Paragraph(f"No interval of the peak displacement: {error.reason}.")
     for note in answer["notes"]:
         yield Paragraph(f"Note: {note}.")
     yield from warnings(answer["warnings"])

@@ -31,6 +31,7 @@ from workbench.studs import TESTS, ResidualFit, examine
 from workbench.studs import fit_residual as fit_rows
 from workbench.studs.reading import from_frame
 from workbench.study import Case, Figure, Study
+from workbench.study.limit import ask
 
 
 def load(path: Path | str, *overrides: str) -> Scenario:
@@ -126,9 +127,10 @@ def simulate(
     Returns
     -------
     xarray.Dataset
-        Histories over ``time`` (s) or ``step``, scalars and energies in SI units. Its accessor
-        ``.workbench`` gives `findings`, `outcome`, numbers and plots, of a collapse too: that is an
-        answer, as a refusal is, and no exception.
+        Histories over ``time`` (s) or ``step``, scalars and energies in SI units, of a record that
+        is made longer where it ends before its peak. Its accessor ``.workbench`` gives `findings`,
+        `outcome`, numbers and plots, of a collapse too: that is an answer, as a refusal is, and no
+        exception.
 
     Raises
     ------
@@ -148,7 +150,8 @@ def simulate(
     given = load_scenario(scenario) if isinstance(scenario, (Path, str)) else scenario
     choice = choose(given) if model is None else None
     chosen = asked(choice.model if choice else model or "", **options)
-    response = advised(chosen, given, chosen.simulate(given))
+    given, answer = ask(chosen, given)
+    response = advised(chosen, given, answer)
     if choice:
         response.attrs["because"] = choice.because
     if outcome_of(response) is Outcome.INVALID_INPUT:

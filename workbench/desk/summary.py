@@ -38,6 +38,7 @@ FORCE_UNMEASURED = (
     "the error of the largest contact force was not measured; it hangs on the mass that a model "
     "gives the hit point, and models that agree in displacement differ in it"
 )
+OPEN = "stands or not: the record ends before the peak"
 TABLED = (PEAK, "time_of_peak", "residual_displacement", "peak_force", "impulse")
 
 
@@ -50,7 +51,7 @@ def headline(response: Response) -> str:
     elif "force" in response:
         force = largest_of(response["force"].to_numpy())
         parts.insert(0, f"largest force {in_unit(force, 'force', 3)}")
-    elif values:
+    elif values and fate_of(response) != OPEN:
         name, value = next(iter(values.items()))
         parts.insert(0, f"{VARIABLES[name].long_name} {in_unit(value, name, 3)}")
     model, because = response.attrs["model"], response.attrs.get("because", "as asked")
@@ -68,15 +69,21 @@ def fate_of(response: Response) -> str:
     if not outcome_of(response).is_answer:
         return f"no answer, {outcome_of(response).value}"
     if known is None:
-        return "stands or not: the record ends before the peak"
+        return OPEN
     return "stands" if PEAK in response or "force" in response else ""
 
 
 def _interval(peak: float, error: ExpectedError) -> str:
-    """The interval of 90 %, and what is expected of an answer that lies outside of it."""
-    if error.low is None or error.high is None:
+    """The interval of 90 %, and what is expected of an answer that lies outside of it.
+
+    Close to collapse it has a lower end alone.
+    """
+    if error.high is None:
         return ""
     factor = unit_of(PEAK).factor
+    if error.low is None:
+        least = in_unit(peak / (1.0 + error.high), PEAK, 3)
+        return f", at least {least}; {error.reason}"
     ends = sorted(peak / (1.0 + share) * factor for share in (error.high, error.low))
     least, most = (number(end, 3) for end in ends)
     middle = ""
@@ -160,7 +167,7 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         "places": places_of(response),
         **_parts(response, scenario),
         "rate_factor": response.attrs.get("rate_factor"),
-        "notes": _notes(scenario, last("peak_force") is not None),
+        "notes": _notes(scenario, last("peak_force") is not None) + _longer(response, scenario),
         "error": attribute("error"),
         "numerical_uncertainty": attribute("numerical_uncertainty"),
         "refinement": attribute("refinement"),
@@ -199,6 +206,15 @@ def _notes(scenario: Scenario, has_force: bool) -> list[str]:
         return []
     rigid = striker.mass >= LIGHTEST and not striker.crushes
     return [UPPER_BOUND] * rigid + [FORCE_UNMEASURED] * has_force
+
+
+def _longer(response: Response, scenario: Scenario) -> list[str]:
+    """Whether the record was made longer than the scenario has it."""
+    wanted = getattr(scenario, "duration", None)
+    end = 0.0 if "time" not in response else float(response["time"][-1])
+    if wanted is None or end < 1.5 * wanted:
+        return []
+    return [f"the record of {wanted:g} s ends before the peak, and was made {end:.3g} s long"]
 
 
 def _parts(response: Response, scenario: Scenario) -> dict[str, Any]:

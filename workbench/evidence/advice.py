@@ -16,8 +16,8 @@ from workbench.evidence.descriptors import DEMAND, features
 from workbench.evidence.error_model import ExpectedError, anchor_error, expected_error
 from workbench.evidence.error_table import ANCHOR, FINEST, REFERENCE, table_of
 from workbench.frames.runs import LARGEST_SHEAR_STRAIN
-from workbench.models.base import Model
-from workbench.models.domain import unused_inputs
+from workbench.models.base import Model, findings_before
+from workbench.models.hinge_limits import SPREAD
 from workbench.models.resistance import column_curve
 from workbench.models.strain_rate import with_strain_rate
 from workbench.registry import make_model
@@ -75,10 +75,14 @@ def is_judged(model: Model) -> bool:
 def advise(model: Model, scenario: Any, response: Response | None = None) -> list[Finding]:
     """Findings about a model in a scenario, each with the model to take instead.
 
-    Those of its domain before it answers; with a `response` those of that, and of its error.
+    Those of its domain before it answers, of the anchor also of its error; with a `response` those
+    of that, and of its error.
     """
     if response is None:
-        return with_remedies(model, scenario, _beforehand(model, scenario))
+        findings = _beforehand(model, scenario)
+        if model.name == ANCHOR and table_of(scenario) is not None:
+            findings = judged(model, scenario, anchor_error(scenario), findings)
+        return with_remedies(model, scenario, findings)
     return _advised(model, scenario, response)[0]
 
 
@@ -125,9 +129,9 @@ def judged(
 def _about(error: ExpectedError, causes: str) -> Iterator[Finding]:
     """Warnings of an error, and the `causes` that the domain of the model names."""
     if error.warns:
-        parts = ("because",) if causes else ()
+        parts = ("at-least",) * (error.near_collapse) + ("because",) * bool(causes)
         chance = 100.0 * (error.chance or 0.0)
-        name = "error" if error.expected is not None else "error-of-collapse"
+        name = "error" if error.high is not None else "error-of-collapse"
         yield finding(name, error.chance, parts=parts, error=error, causes=causes, chance=chance)
     if error.near_collapse:
         yield finding(CLOSE, anchor=error.anchor)
@@ -213,7 +217,7 @@ def doubts(name: str, scenario: Any) -> tuple[str, ...]:
     if scenario.KIND not in model.answers:
         return (f"it does not answer {scenario.KIND}",)
     try:
-        findings = [*_beforehand(model, scenario), *with_strain_rate(model, scenario)[2]]
+        findings = _beforehand(model, scenario)
         if name == ANCHOR and table_of(scenario) is not None:
             error = anchor_error(scenario)
             if error.chance is None:
@@ -225,14 +229,31 @@ def doubts(name: str, scenario: Any) -> tuple[str, ...]:
 
 
 def _beforehand(model: Model, scenario: Any) -> list[Finding]:
-    """What the domain of a model says, what it does not use, whether the reference shears far."""
-    findings = [*model.domain(scenario), *unused_inputs(model, scenario)]
-    if model.name != REFERENCE or not isinstance(scenario, ColumnImpact):
+    """What is said before a model answers, and whether the reference would shear too far.
+
+    A striker that crushes takes the energy that would do it. Of a push also whether the anchor
+    leaves out much yielding between hinges.
+    """
+    findings = findings_before(model, scenario, with_strain_rate(model, scenario)[2])
+    if model.name == ANCHOR and scenario.STATIC:
+        findings += _spread(scenario)
+    if (
+        model.name != REFERENCE
+        or not isinstance(scenario, ColumnImpact)
+        or scenario.striker.crushes
+    ):
         return findings
     hit, largest = features(scenario), LARGEST_SHEAR_STRAIN
     if hit[DEMAND] > 1.0 and hit["turned"] > largest:
         findings.append(finding("shears-far", hit["turned"], largest=largest))
     return findings
+
+
+@lru_cache(maxsize=64)
+def _spread(scenario: Any) -> tuple[Finding, ...]:
+    """What a run of the anchor says of yielding between hinges."""
+    response = make_model(ANCHOR).simulate(scenario)
+    return tuple(each for each in findings_of(response) if each.subject == SPREAD)
 
 
 @lru_cache(maxsize=len(ORDER))

@@ -22,12 +22,14 @@ from workbench.evidence.error_table import ANCHOR, FINEST, ErrorTable, ends_of, 
 from workbench.models.base import options_of
 from workbench.models.strain_rate import feels_rate, steel_of
 from workbench.registry import make_model
-from workbench.responses import Response, survives
+from workbench.responses import Response, findings_of, survives
 from workbench.scenarios import FrameImpact, MemberPulse, frame_scenario
 
 BEYOND = 0.10  # an error of the peak that matters
 WARNED = 0.10  # chance of it from which an answer is warned of
 FASTER = 1.05  # times the velocity or force, to see whether a collapse is near
+HANGS = "hangs-on"  # subject
+OPEN_END = "the upper end is not measured so close to collapse"
 PEAK, RESIDUAL = "peak_displacement", "residual_displacement"
 
 
@@ -40,6 +42,7 @@ class ExpectedError:
     `collapse`, chance that it collapses; `near_collapse`, whether the anchor nearly does; `cell`
     in which this was measured on `count` scenarios; `reason`, why there is no interval (empty:
     there is one); `residual`, ends (m) of 90 % for the true residual displacement, if known.
+    Near a collapse `high` alone is known: how far the truth may go was not measured there.
     """
 
     anchor: str
@@ -60,6 +63,8 @@ class ExpectedError:
         return self.chance is not None and self.chance > WARNED
 
     def __str__(self) -> str:
+        if self.high is not None and self.low is None:
+            return f"at most {round(100.0 * self.high):+d} %; of the displacement {self.reason}"
         if self.expected is None or self.low is None or self.high is None:
             chance = 100.0 * (self.collapse or 0.0)
             more = "" if self.collapse is None else f", chance of collapse {chance:.0f} %"
@@ -89,11 +94,13 @@ def expected_error(scenario: Any, response: Response) -> ExpectedError:
 
     The anchor itself is not run again. Raises `InputError` if it is not installed.
     """
-    name, peak = response.attrs["model"], reached(response)[0]
+    name, peak = response.attrs["model"], reached(response).peak
     table = table_of(scenario)
     by_anchor = table is not None and _is_anchor(response, table.anchor)
     error = _error(scenario, name, peak, peak if by_anchor else None)
-    return replace(error, residual=residual_ends(scenario, response))
+    return (
+        error if error.near_collapse else replace(error, residual=residual_ends(scenario, response))
+    )
 
 
 def anchor_error(scenario: Any) -> ExpectedError:
@@ -101,7 +108,7 @@ def anchor_error(scenario: Any) -> ExpectedError:
     table = table_of(scenario)
     peak = nan if table is None or truth_ratio(scenario).reason else anchor_peak(scenario)
     error = _error(scenario, table.anchor if table else ANCHOR, peak, peak)
-    return replace(error, residual=residual_ends(scenario))
+    return error if error.near_collapse else replace(error, residual=residual_ends(scenario))
 
 
 def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> ExpectedError:
@@ -119,10 +126,14 @@ def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> Exp
         return replace(known, reason=f"{whose} has no peak displacement")
     known = replace(known, cell=ratio.cell, count=len(ratio.values))
     fallen = table.collapses(isinf(anchor))
-    near = not isinf(anchor) and abs(anchor_peak(_faster(scenario))) > (1.0 + table.grows) * anchor
-    known = replace(known, collapse=fallen, near_collapse=near)
+    faster = _faster(scenario)
+    near = not isinf(anchor) and (
+        abs(anchor_peak(faster)) > (1.0 + table.grows) * anchor or _anchor(faster).hangs
+    )
+    known = replace(known, collapse=None if near else fallen, near_collapse=near)
     if isinf(answer) or isinf(anchor):
         reason = "the anchor collapses" if isinf(anchor) else "the anchor survives"
+        reason += ", close to collapse, where chances are not measured" if near else ""
         return replace(known, chance=1.0 - fallen if isinf(answer) else fallen, reason=reason)
     values = ratio.values + log(anchor / answer)
     if name in (table.reference, FINEST):
@@ -133,6 +144,8 @@ def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> Exp
     low, high = ends_of(len(errors))
     middle, least, most = float(np.median(errors)), float(errors[low]), float(errors[high])
     chance = float(chance_beyond(errors))
+    if near:
+        return replace(known, high=most, chance=chance, reason=OPEN_END)
     return replace(known, expected=middle, low=least, high=most, chance=chance)
 
 
@@ -199,12 +212,20 @@ def widened(values: Array, doubts: Array) -> Array:
 
 def anchor_peak(scenario: Any) -> float:
     """Peak displacement of the anchor in m; infinite if it collapses, NaN if it has none."""
-    return _anchor(scenario)[0]
+    return _anchor(scenario).peak
+
+
+class Reached(NamedTuple):
+    """Peak and residual displacement (m) of an answer; whether it `hangs` on turned bars."""
+
+    peak: float
+    residual: float
+    hangs: bool = False
 
 
 @lru_cache(maxsize=256)
-def _anchor(scenario: Any) -> tuple[float, float]:
-    """Peak and residual displacement of the anchor in m, NaN where it has none."""
+def _anchor(scenario: Any) -> Reached:
+    """That of the anchor, NaN where it has none."""
     return reached(make_model(_table(scenario).anchor).simulate(scenario))
 
 
@@ -229,9 +250,9 @@ def residual_ends(scenario: Any, response: Response | None = None) -> tuple[floa
     if not len(parts) or not len(more):
         return None
     if response is not None and _is_anchor(response, table.anchor):
-        peak, residual = reached(response)
+        peak, residual, _ = reached(response)
     else:
-        peak, residual = _anchor(scenario)
+        peak, residual, _ = _anchor(scenario)
     if isnan(residual):
         return None
     parts = widened(parts, more) if rated else parts
@@ -239,13 +260,14 @@ def residual_ends(scenario: Any, response: Response | None = None) -> tuple[floa
     return residual + float(parts[low]) * peak, residual + float(parts[high]) * peak
 
 
-def reached(response: Response) -> tuple[float, float]:
-    """Peak and residual displacement (m): infinite and NaN at a collapse, NaN where not known."""
+def reached(response: Response) -> Reached:
+    """Of a response: infinite and NaN at a collapse, NaN where not known."""
     alive = survives(response)
     if not alive:
-        return nan if alive is None else inf, nan
+        return Reached(nan if alive is None else inf, nan)
     peak, residual = (float(response.get(name, nan)) for name in (PEAK, RESIDUAL))
-    return peak if peak != 0.0 else nan, residual
+    hangs = any(each.subject == HANGS for each in findings_of(response))
+    return Reached(peak if peak != 0.0 else nan, residual, hangs)
 
 
 def _is_anchor(response: Response, anchor: str) -> bool:

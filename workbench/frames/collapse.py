@@ -188,6 +188,7 @@ def sway_findings(per_drift: Array | None, drift: Array) -> list[Finding]:
 
 
 COLLAPSE_SIDEWAYS = 0.9  # movement of a member's ends across its axis, over its length
+TURNED_OVER = 0.99  # the same, of bars that may hang on until then
 COLLAPSE_CONTRACTION = 0.1  # of the length of a straight chain of members: squashed
 LEAST_LENGTH = 0.05  # of an element; plastic strains have lost all meaning long before
 
@@ -237,13 +238,30 @@ def _lines(frame: Frame, placed: bytes, size: int) -> Lines:
 
 
 class CollapseWatch:
-    """Checks the committed state of a `structure` after every step."""
+    """Checks the committed state of a `structure` after every step.
+
+    A member whose ends have moved across by `COLLAPSE_SIDEWAYS` has collapsed with what was then
+    (`turned`), unless its bars hang on: a peak comes before it has turned over.
+    """
 
     def __init__(self, structure: FrameStructure) -> None:
         self._structure = structure
+        self.turned: CollapseError | None = None
         if "lines" not in structure.kept:
             structure.kept["lines"] = _lines_of(structure.frame, structure.assembly)
         self.lines: Lines = structure.kept["lines"]
+
+    def follow(self, displacement: Any, time: Any) -> None:
+        """Note what has `turned` first, in the committed state or in several, one of each time."""
+        across = np.atleast_2d(self._apart(now=True))
+        rows = np.flatnonzero(across.max(axis=1) > COLLAPSE_SIDEWAYS)
+        if self.turned is None and len(rows):
+            row, apart = rows[0], across[rows[0]]
+            names = (self._structure.frame.members[int(apart.argmax())].name,)
+            reached = (float(np.atleast_1d(each)[row]) for each in (displacement, time))
+            reason = finding("turned-over", float(apart.max())).text
+            collapse = Collapse(Mechanism.GEOMETRY, names, *reached)
+            self.turned = CollapseError(collapse, f"{named(names)} {reason}")
 
     def check(self, displacement: float, time: float | None) -> None:
         """Raise `CollapseError` when the frame has collapsed, with the `displacement` (m) so far.
@@ -254,27 +272,25 @@ class CollapseWatch:
         undeformed frame, which knows no tension of members that hang.
         """
         structure, members = self._structure, self._structure.members
-        left, across = members.lengths_left(), self._apart(now=True)
-        lost = members.contractions() @ self.lines.chained.T
+        left = members.lengths_left()
         if left.min() < LEAST_LENGTH:
             name, at = structure.frame.members[int(left.argmin())].name, float(displacement)
             values: dict[str, Any] = {"member": name, "displacement": at, "least": LEAST_LENGTH}
             raise CrumpledError(finding("element-crumples", **values).text)
-        turned = across.max() > COLLAPSE_SIDEWAYS
-        if time is None or not (turned or lost.max() > COLLAPSE_CONTRACTION):
+        if time is None:
             return
-        names: tuple[str, ...]
-        if turned and getattr(structure.assembly.groups[0], "first_order", False):
+        first_order = getattr(structure.assembly.groups[0], "first_order", False)
+        if first_order and self._apart(now=True).max() > COLLAPSE_SIDEWAYS:
             raise OutOfDomainError(finding("undeformed", float(displacement)))
-        if turned:
-            names = (structure.frame.members[int(across.argmax())].name,)
-            mechanism, reason = Mechanism.GEOMETRY, finding("turned-over", float(across.max()))
-        else:
+        self.follow(displacement, time)
+        if self.turned is not None and self._apart(now=True).max() > TURNED_OVER:
+            raise self.turned
+        lost = members.contractions() @ self.lines.chained.T
+        if lost.max() > COLLAPSE_CONTRACTION:
             names, most = self.lines.chains[int(lost.argmax())], 100.0 * COLLAPSE_CONTRACTION
-            reason = finding("squashed", 100.0 * float(lost.max()), most=most)
-            mechanism = Mechanism.SQUASH
-        collapse = Collapse(mechanism, names, float(displacement), time)
-        raise CollapseError(collapse, f"{named(names)} {reason.text}")
+            reason = finding("squashed", 100.0 * float(lost.max()), most=most).text
+            collapse = Collapse(Mechanism.SQUASH, names, float(displacement), time)
+            raise self.turned or CollapseError(collapse, f"{named(names)} {reason}")
 
     def drifts(self, moved: Array) -> Array:
         """Drift of the straight line of members that each upright one belongs to (uprights,).

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.errors import CollapseError, SolverError
+from workbench.errors import CollapseError, OutOfDomainError, SolverError
 from workbench.frames.collapse import COLLAPSE_SIDEWAYS, sway_collapse, sway_findings
 from workbench.frames.elastic import slowest_period
 from workbench.frames.members import SOLID_BOUND, named, shear_reached
@@ -198,13 +198,27 @@ def resting(scenario: FrameImpact | ColumnImpact) -> tuple[dict[str, Any], list[
 
 
 def _follow(record: Record, scenario: FrameScenario, steps: Iterator[Any]) -> None:
-    """Take all time steps."""
-    for step in steps:
-        try:
+    """Take all time steps.
+
+    Raises `CollapseError` of what turns over, or has turned when steps fail or the record ends.
+    """
+    watch, findings = record.watch, None
+    try:
+        for step in steps:
             record.take(step, step.time)
-        except CollapseError as error:  # members that slid mean little before they fell
+            if findings is None and watch.turned is not None:
+                findings = tuple(_shear_reached(record, scenario))
+        if watch.turned is not None and not peak_of(
+            record.column("at"), record.column("displacement")
+        ):
+            raise watch.turned
+    except (CollapseError, SolverError, OutOfDomainError) as error:
+        fallen = error if isinstance(error, CollapseError) else watch.turned
+        if fallen is None:
+            raise
+        if findings is None:  # members that slid mean little before they fell
             findings = tuple(_shear_reached(record, scenario))
-            raise CollapseError(error.collapse, error.reason, findings) from error
+        raise CollapseError(fallen.collapse, fallen.reason, findings) from error
 
 
 def _timed_response(
@@ -215,6 +229,8 @@ def _timed_response(
     largest_error: float | None,
 ) -> Response:
     """The response of a run in time; refused where its energy ledger stays open."""
+    if record.watch.turned is not None:
+        warnings = [*warnings, finding("hangs-on", reason=record.watch.turned.reason)]
     response = _response(record, scenario, values, warnings, time=record.column("at"))
     response.attrs["time_step"] = float(record.history(0.0, "length").max())
     _check_ledger(energy_error(response), largest_error)

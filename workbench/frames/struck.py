@@ -64,7 +64,7 @@ class StruckRecord(Record):
         """Limits of collapse, for compiled steps."""
         lines = self.watch.lines
         return CollapseLimits(
-            collapse.COLLAPSE_SIDEWAYS,
+            collapse.TURNED_OVER,
             collapse.COLLAPSE_CONTRACTION,
             collapse.LEAST_LENGTH,
             self.structure.members.first,
@@ -84,6 +84,7 @@ class StruckRecord(Record):
         records = self._snapshots.records = cast(Records, step)
         self._steps.append(records)
         show(self.structure, records, slice(None))
+        self.watch.follow(self.displacement, at)
         self._see(at, turns)
         if records.collapsed:
             show(self.structure, records, -1)

@@ -19,7 +19,8 @@ from workbench.frames.superelements import (
 )
 from workbench.models.domain import hit_mass_findings
 from workbench.models.frame_model import FrameModel, as_frame
-from workbench.responses import Finding, finding
+from workbench.models.hinge_limits import spread_findings
+from workbench.responses import Finding, Response, finding, findings_of, set_findings
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FramePulse, FrameScenario
 from workbench.structures.elements import HingedElements
 from workbench.structures.impact import INTEGRATORS, MIDPOINT
@@ -63,6 +64,7 @@ class BarFrames(FrameModel):
     )
 
     least_parts: ClassVar[int] = 1  # of a struck member, and what their number is a multiple of
+    concentrated: ClassVar[bool] = True  # yielding: none between hinges
     far_parts: ClassVar[int] = 2  # of members far from the struck one; of one, mass is at the ends
 
     @property
@@ -86,6 +88,13 @@ class BarFrames(FrameModel):
             if fewest < FEWEST_LOADED:
                 findings.append(finding("line-load", fewest, fewest=fewest, wanted=FEWEST_LOADED))
         return findings
+
+    def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
+        """As all; of a push also the yielding that it leaves out."""
+        response = super().run(scenario, structure)
+        if scenario.STATIC and self.concentrated:
+            set_findings(response, [*findings_of(response), *spread_findings(scenario, response)])
+        return response
 
     def parts(self, scenario: FrameScenario) -> list[int]:
         """Elements of every member."""

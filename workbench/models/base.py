@@ -4,7 +4,7 @@ import dataclasses
 import json
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache
 from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
@@ -80,20 +80,16 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
         warnings: list[Finding] = []
         refusals: list[Finding] = []
         solved, factor, left_out = with_strain_rate(model, scenario)
-        left_out += [*implausible(scenario), *unused_inputs(model, scenario)]
-        for each in (*model.domain(scenario), *left_out):
+        for each in findings_before(model, scenario, left_out):
             (refusals if each.refusal else warnings).append(each)
         striker = getattr(scenario, "striker", None)
-        crushing = striker if striker is not None and striker.crushes else None
-        if crushing is not None and not getattr(model, "crushing", False):
-            refusals.append(finding("rigid-striker-alone", name=model.name))
         if refusals:
             response = refused_response(refusals)
         else:
             try:
                 response = solve(solved)
-                if crushing is not None:
-                    response = crushed(response, crushing)
+                if striker is not None and striker.crushes:
+                    response = crushed(response, striker)
                 check_response(response)
             except CollapseError as error:
                 response = collapsed_response(error)
@@ -108,6 +104,19 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
         if factor != 1.0:
             response.attrs["rate_factor"] = factor
         return _signed(response, model, scenario, started)
+
+
+def findings_before(model: Model, scenario: Any, left_out: Sequence[Finding]) -> list[Finding]:
+    """Findings about a model in a scenario before it answers: its domain, odd input, its striker.
+
+    With what it has `left_out` of the steel, see `with_strain_rate`.
+    """
+    findings = [*model.domain(scenario), *implausible(scenario), *unused_inputs(model, scenario)]
+    findings += left_out
+    striker = getattr(scenario, "striker", None)
+    if striker is not None and striker.crushes and not getattr(model, "crushing", False):
+        findings.append(finding("rigid-striker-alone", name=model.name))
+    return findings
 
 
 def crushed(response: Response, striker: Striker) -> Response:

@@ -27,7 +27,6 @@ from workbench.scenarios import (
     Scenario,
 )
 from workbench.scenarios.codec import set_inputs
-from workbench.scenarios.parts import MemberProperties
 from workbench.scenarios.pulse import UNIFORM
 
 BUCKLING_WARNING = 2.0  # critical factor below which second-order effects dominate
@@ -119,8 +118,6 @@ _LEAST_PULSE = 5e-3  # of the plastic shear resistance
 _LEAST_MASS = 0.01  # of the steel, below which masses look like t
 _SI = {"kN": "N", "t": "kg"}
 _FAST, _VEHICLE = 60.0, 500.0  # m/s and kg: beyond both a velocity looks like km/h
-_STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
-_FEW_PERCENT, _MUCH = 0.01, 0.1  # between the strength of a section and that of a member
 _STUB = 2.0  # length of a segment over the height of its section
 _EULER_WARNING = 0.5  # share of the Euler load above which second-order effects dominate
 
@@ -260,43 +257,6 @@ def stub_findings(surface: ShearSurface, lengths: Mapping[str, float]) -> list[F
             flanges = surface.flange_mechanism / length / surface.shear_resistance
             findings.append(finding("stub", heights, segment=name, least=_STUB, flanges=flanges))
     return findings
-
-
-def panel_findings(
-    surface: ShearSurface, properties: MemberProperties, subject: str
-) -> list[Finding]:
-    """Where a panel stops applying to a member: web buckling, strength that is not the section's.
-
-    `subject`, by which the member is called. Refusals: a web slender enough to buckle in shear
-    (EN 1993-1-5, 5.1: clear height over thickness above 72 epsilon / eta, eta 1.2); a plastic
-    moment or squash load more than 10 % off the section's. Above 1 % off it is a warning.
-    """
-    findings = []
-    slenderness, ratio = _panel_numbers(surface, properties)
-    if slenderness > 1.0:
-        findings.append(finding("shear-buckling", slenderness, member=subject))
-    if abs(ratio - 1.0) > _FEW_PERCENT:
-        far = abs(ratio - 1.0) > _MUCH
-        findings.append(finding("plates", ratio, refusal=far, member=subject))
-    return findings
-
-
-def panel_refused(surface: ShearSurface, properties: MemberProperties) -> Any:
-    """Whether there is a refusal among `panel_findings`; flags of a stack."""
-    slenderness, ratio = _panel_numbers(surface, properties)
-    return (slenderness > 1.0) | (abs(ratio - 1.0) > _MUCH)
-
-
-def _panel_numbers(surface: ShearSurface, properties: MemberProperties) -> tuple[float, float]:
-    """Slenderness of the webs over the bound; strength of the panel over that of the member.
-
-    Moment or axial force, whichever is farther from 1.
-    """
-    epsilon = np.sqrt(235e6 / surface.steel.yield_stress)
-    moment = surface.plastic_moment / properties.plastic_moment
-    axial = surface.squash_load / properties.squash_load
-    ratio: Any = np.where(abs(axial - 1.0) > abs(moment - 1.0), axial, moment)[()]
-    return surface.web_slenderness / (_STOCKY * epsilon), ratio
 
 
 def implausible(scenario: Scenario) -> list[Finding]:

@@ -75,6 +75,7 @@ class ForceBasedBeam(BarHinges):
     hardening_ratio: float = checked(Number(1e-9, 0.1), 1e-6, help=HARDENING_HELP)
     points: int = checked(Number(3, 20, integer=True), 5, help="along an element")
 
+    concentrated: ClassVar[bool] = False
     name: ClassVar[str] = "force-based-beam"
     version: ClassVar[int] = 6
     traits: ClassVar[Traits] = OF_FIBERS
@@ -162,6 +163,7 @@ class BoundingSurface(BarHinges):
     )
     residual_stress: str = checked(Choice(PATTERNS), "none", help="of these fibers")
 
+    concentrated: ClassVar[bool] = False
     name: ClassVar[str] = "bounding-surface"
     version: ClassVar[int] = 1
     traits: ClassVar[Traits] = OF_RESULTANTS
@@ -204,6 +206,7 @@ class ModifiedTangentModulus(BarHinges):
         "axis, 0.65 about the minor one (whose second moment and plastic moment they must state)",
     )
 
+    concentrated: ClassVar[bool] = False
     name: ClassVar[str] = "modified-tangent-modulus"
     version: ClassVar[int] = 1
     traits: ClassVar[Traits] = OF_RESULTANTS

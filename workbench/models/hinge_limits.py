@@ -1,6 +1,8 @@
-"""What limits hinges at the ends of members: catenary action, wear, plates that buckle."""
+"""What limits hinges: catenary action, wear, plates that buckle, spread of yield, panels."""
 
+from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -8,9 +10,12 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.frames.elastic import dead_load_state
 from workbench.frames.members import named, shear_demand
-from workbench.responses import Finding, finding
+from workbench.hinges import ShearSurface, has_webs
+from workbench.materials import Steel
+from workbench.responses import Finding, Response, finding
 from workbench.scenarios import Frame, FrameImpact, FrameScenario, Member
-from workbench.sections import CircularTube, ISection
+from workbench.scenarios.parts import MemberProperties
+from workbench.sections import CircularTube, ISection, Section
 from workbench.sections.slenderness import (
     TESTED,
     lateral_torsional,
@@ -21,6 +26,11 @@ from workbench.sections.slenderness import (
 from workbench.structures.bars import PlasticEnd
 
 CATENARY = 0.5  # Mp / Npl, from where hinges are drawn out
+STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
+SLENDER = 0.83 * 86.4 / STOCKY  # of that: chi_w = 0.83 / lambda_w is 1, EN 1993-1-5, table 5.1
+FEW_PERCENT, MUCH = 0.01, 0.1  # between the strength of a section and that of a member
+SPREAD, MATTERS = "spread", 0.1  # subject; share of the displacement
+BENT, FIBERS, POINTS = np.geomspace(1.0, 20.0, 60), 80, 101  # curvatures over that of first yield
 AXIAL_SHARE = 0.15  # of the squash load; EN 1993-1-1, 6.2.9.1: an I section then loses some moment
 
 
@@ -45,6 +55,116 @@ def axial_findings(frame: Frame, effect: str) -> list[Finding]:
         return []
     share, member = float(shares[worst]), frame.members[worst].name
     return [finding("interaction", share, effect=effect, share=share, member=member)]
+
+
+def spread_findings(scenario: Any, response: Response) -> list[Finding]:
+    """Warning of yield between hinges, which they leave out, at the largest displacement of a push.
+
+    By virtual work with the moments of the run as virtual ones, linear between the ends of members,
+    on curvatures of sections without axial force: what those add to the displacement of elastic
+    bending and hinges at the same load, or take of the force at the same displacement.
+    """
+    frame, row = scenario.frame, int(np.abs(response["displacement"].values).argmax())
+    moments, turned = (
+        response[name].values[:, row].reshape(-1, 2) for name in ("moment", "plastic_rotation")
+    )
+    shares, zones = np.linspace(0.5, 1.0, 101), {}
+    hinges, elastic, extra = float(np.abs(moments * turned).sum()), 0.0, np.zeros(len(shares))
+    for member, (first, last) in zip(frame.members, moments, strict=True):
+        whole = frame.properties(member)
+        bent = np.abs(np.linspace(first, last, POINTS)) / whole.plastic_moment
+        moment, plastic = _beyond_elastic(frame.strength_section(member))
+        unit = frame.length(member) * whole.plastic_moment**2
+        unit /= frame.steel.elastic_modulus * whole.second_moment
+        elastic += unit * float(np.mean(bent**2))
+        curvatures = np.interp(np.outer(shares, bent), moment, plastic)
+        extra += unit * (np.mean(bent * curvatures, axis=1) - (1.0 - shares) * np.mean(bent**2))
+        zones[member.name] = float(np.mean(bent > moment[0]))
+    if scenario.control == "load":
+        key, share = SPREAD, float(extra[-1]) / max(elastic + hinges, 1e-300)
+    else:  # hinges that turn stand for as much that yields between them
+        kept = float(shares[extra <= hinges].max(initial=shares[0]))
+        key, share = "spread-of-force", 1.0 - kept
+    if share <= MATTERS:
+        return []
+    member = max(zones, key=lambda name: zones[name])
+    values = {"zone": zones[member], "member": member, "percent": 100.0 * share, "limit": MATTERS}
+    return [finding(key, share, **values)]
+
+
+@lru_cache(maxsize=256)
+def _beyond_elastic(section: Section) -> tuple[Array, Array]:
+    """Moments and plastic curvatures times EI, over the plastic moment, from first yield on."""
+    y, area = section.fibers(FIBERS)
+    stress = np.clip(BENT[:, None] * y * 2.0 / section.height, -1.0, 1.0)
+    moment = stress @ (y * area) / float(np.abs(y) @ area)
+    return moment, BENT * moment[0] - moment
+
+
+@lru_cache(maxsize=64)
+def web_of(section: Section, steel: Steel) -> ShearSurface | None:
+    """The web of a section that yields in shear, if it has one."""
+    return ShearSurface(section, steel) if has_webs(section) else None
+
+
+def web_findings(webs: Mapping[str, ShearSurface | None]) -> list[Finding]:
+    """Of webs that yield in shear, by names of their members: whether they buckle before.
+
+    EN 1993-1-5, 5.1: from a clear height over thickness of 72 epsilon / eta on, eta 1.2, buckling
+    takes of the strength, first what hardening adds to f_y / sqrt 3: a warning. From chi_w = 1 on
+    (table 5.1) it takes of that, which is all that models have: a refusal.
+    """
+    alike: dict[ShearSurface, list[str]] = {}
+    for name, web in webs.items():
+        if web is not None and web_slenderness(web) > 1.0:
+            alike.setdefault(web, []).append(name)
+    findings = []
+    for web, names in alike.items():
+        more = f" (and {len(names) - 1} alike)" if len(names) > 1 else ""
+        slenderness, member = web_slenderness(web), f"member {names[0]}{more}"
+        key = "shear-buckling" if slenderness > SLENDER else "slender-web"
+        findings.append(finding(key, slenderness, member=member, limit=SLENDER))
+    return findings
+
+
+def panel_findings(surface: ShearSurface, properties: MemberProperties) -> list[Finding]:
+    """Where panels stop applying to a column: web buckling, strength that is not the section's.
+
+    A plastic moment or squash load more than 10 % off the section's is a refusal, above 1 % off a
+    warning. For the webs see `web_findings`.
+    """
+    findings, ratio = web_findings({"column": surface}), strength_ratio(surface, properties)
+    if given_strength(surface, properties):
+        far = abs(ratio - 1.0) > MUCH
+        findings.append(finding("plates", ratio, refusal=far, member="the column"))
+    return findings
+
+
+def panel_refused(surface: ShearSurface, properties: MemberProperties) -> Any:
+    """Whether there is a refusal among `panel_findings`; flags of a stack."""
+    far = abs(strength_ratio(surface, properties) - 1.0) > MUCH
+    return (web_slenderness(surface) > SLENDER) | far
+
+
+def web_slenderness(surface: ShearSurface) -> Any:
+    """Slenderness of the webs over the bound 72 epsilon / eta."""
+    return surface.web_slenderness / (STOCKY * np.sqrt(235e6 / surface.steel.yield_stress))
+
+
+def given_strength(surface: ShearSurface, properties: MemberProperties) -> bool:
+    """Whether a member is given another strength than its plates have."""
+    return bool(abs(strength_ratio(surface, properties) - 1.0) > FEW_PERCENT)
+
+
+def strength_ratio(surface: ShearSurface, properties: MemberProperties) -> Any:
+    """Strength of the plates over that of the member.
+
+    Moment or axial force, whichever is farther from 1.
+    """
+    moment = surface.plastic_moment / properties.plastic_moment
+    axial = surface.squash_load / properties.squash_load
+    ratio: Any = np.where(abs(axial - 1.0) > abs(moment - 1.0), axial, moment)[()]
+    return ratio
 
 
 def wear_findings(event: FrameScenario, known: bool) -> list[Finding]:

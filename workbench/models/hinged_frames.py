@@ -251,6 +251,7 @@ class QuasiPlasticHinge(PlasticHinge):
 
     layers: int = checked(LAYERS, 40, help="of the fiber section that the curve is taken from")
 
+    concentrated: ClassVar[bool] = False
     name: ClassVar[str] = "quasi-plastic-hinge"
     version: ClassVar[int] = 5
     papers: ClassVar[tuple[str, ...]] = ("attalla1994", "heng2017")
@@ -292,6 +293,7 @@ class RefinedPlasticHinge(BarHinges):
         help="between lateral restraints, to check lateral-torsional buckling (None: unchecked)",
     )
 
+    concentrated: ClassVar[bool] = False
     name: ClassVar[str] = "refined-plastic-hinge"
     version: ClassVar[int] = 6
     traits: ClassVar[Traits] = Traits(

@@ -22,7 +22,7 @@ from workbench.errors import OutOfDomainError, SolverError
 from workbench.fields import Choice, Number, checked
 from workbench.frames import out_of_domain
 from workbench.frames.elastic import wave_times
-from workbench.frames.members import shear_findings
+from workbench.frames.members import named, shear_findings
 from workbench.frames.runs import measure_impact, run_impact
 from workbench.frames.struck import StruckNumbers, StruckRecord, strike
 from workbench.frames.structure import FrameStructure
@@ -36,14 +36,14 @@ from workbench.frames.superelements import (
     series,
     softened,
 )
-from workbench.hinges import ShearSurface, YieldSurface, has_webs
+from workbench.hinges import ShearSurface, YieldSurface
 from workbench.hinges.interaction import fitted_exponents
 from workbench.impact.pace import Pace
-from workbench.materials import Steel
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
 from workbench.models.batch import admitted
-from workbench.models.domain import DIRECT_SHEAR, panel_findings
+from workbench.models.domain import DIRECT_SHEAR
 from workbench.models.frame_model import COLUMNS, Clock, as_column, as_frame
+from workbench.models.hinge_limits import given_strength, web_findings, web_of
 from workbench.models.strain_rate import (
     FACTOR,
     RATE_LEVELS,
@@ -63,7 +63,6 @@ from workbench.scenarios import (
     FrameScenario,
     Member,
 )
-from workbench.sections import Section
 from workbench.structures.impact import MIDPOINT, MOREAU
 from workbench.structures.superelements import Superelement, Superelements, sway_stiffness
 
@@ -81,7 +80,8 @@ COMMON = (
     "weaker than the member interact linearly.",
     "Webs of I, box and tube sections deform and yield in shear (option shear = panel), with the "
     "N-M-V domain of the plates at both ends, root fillets in the flanges; beside joints weaker "
-    "than the member, and in other sections, members are rigid in shear.",
+    "than the member, and in other sections, members are rigid in shear; with a given strength "
+    "their webs are elastic.",
     "No local buckling; strain rate by one factor, or, with rate_level = bars, rate and hardening "
     "at every point of the bars, of flanges and web apart where webs yield.",
 )
@@ -152,9 +152,10 @@ class _HingedBars(BarFrames):
             first, last = (joint_surface(surfaces[name], j) for j in piece.joints)
             whole, law = bool(laws) or first == last == surfaces[name], laws.get(name)
             deforms = self.shear in (("panel", "elastic") if whole else ("elastic",))
-            web = _web_of(section, frame.steel) if deforms else None
+            web = web_of(section, frame.steel) if deforms else None
             bars = self._piece(piece, (first, last))
-            elements.append(replace(bars, web=web, web_yields=self.shear_yields, law=law))
+            yields = self.yielding_web(frame, piece.member) is not None
+            elements.append(replace(bars, web=web, web_yields=yields, law=law))
         group = Superelements(
             nodes, elements, regularisation=self.regularisation, first_order=self.first_order
         )
@@ -170,8 +171,10 @@ class _HingedBars(BarFrames):
         return self.shear == "panel"
 
     def yielding_web(self, frame: Frame, member: Member) -> ShearSurface | None:
-        """The web of a member that yields in shear, if it does."""
-        return _web_of(frame.strength_section(member), frame.steel) if self.shear_yields else None
+        """The web of a member that yields in shear, if it does; none where a strength is given."""
+        if not self.shear_yields or self._has_own_strength(frame, member):
+            return None
+        return web_of(frame.strength_section(member), frame.steel)
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings of all member models, of shear only where members are rigid in it."""
@@ -189,16 +192,16 @@ class _HingedBars(BarFrames):
         findings = about_bars(frame) if flows(self, frame.steel) else []
         if any(webs.values()) and not (self.alpha is None and self.beta is None):
             findings.append(finding("exponents"))
-        alike: dict[tuple[ShearSurface, float, float], list[str]] = {}
-        for name, web in webs.items():
-            if web is not None:
-                properties = frame.properties(name)
-                key = web, properties.plastic_moment, properties.squash_load
-                alike.setdefault(key, []).append(name)
-        for (web, *_), names in alike.items():
-            more = f" (and {len(names) - 1} alike)" if len(names) > 1 else ""
-            findings += panel_findings(web, frame.properties(names[0]), f"member {names[0]}{more}")
+        findings += web_findings(webs)
+        own = [m.name for m in frame.members if self._has_own_strength(frame, m)]
+        if own:
+            findings.append(finding("given-strength", members=named(own)))
         return {name for name, web in webs.items() if web is None}, findings
+
+    def _has_own_strength(self, frame: Frame, member: Member) -> bool:
+        """Whether the web of a member would yield, but for the strength that it is given."""
+        web = web_of(frame.strength_section(member), frame.steel) if self.shear_yields else None
+        return web is not None and given_strength(web, frame.properties(member))
 
     @abstractmethod
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
@@ -258,12 +261,6 @@ def _about_webs(model: _HingedBars, frame: Frame) -> tuple[set[str], list[Findin
     return model.about_webs(frame)
 
 
-@lru_cache(maxsize=64)
-def _web_of(section: Section, steel: Steel) -> ShearSurface | None:
-    """The web of a section, if it has one."""
-    return ShearSurface(section, steel) if has_webs(section) else None
-
-
 @dataclass(frozen=True)
 class RigidSuperelement(_HingedBars):
     """Rigid bars between generalized hinges (Heng 2017, paper IV).
@@ -279,7 +276,7 @@ class RigidSuperelement(_HingedBars):
     inertia: str = checked(Choice(INERTIAS), "nonlinear")
 
     name: ClassVar[str] = "rigid-superelement"
-    version: ClassVar[int] = 19
+    version: ClassVar[int] = 20
     least_parts: ClassVar[int] = 2
     far_parts: ClassVar[int] = 1  # with two rigid bars two of 34 frames were 11 and 18 % low
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -324,7 +321,7 @@ class FlexibleSuperelement(_HingedBars):
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)
 
     name: ClassVar[str] = "flexible-superelement"
-    version: ClassVar[int] = 18
+    version: ClassVar[int] = 20
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic Bernoulli beams without rotary inertia, straight against their chord: one element "
         "per member leaves out P-delta inside the member.",

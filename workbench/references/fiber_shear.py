@@ -10,6 +10,8 @@ from typing import ClassVar
 
 from workbench.materials import Steel
 from workbench.models.domain import DIRECT_SHEAR, shear_demand
+from workbench.models.frame_model import as_frame
+from workbench.models.hinge_limits import web_findings, web_of
 from workbench.references.fiber_mesh import SHEAR_RULE, MeshRule
 from workbench.references.fiber_reissner import BEAMS, ExactBeams
 from workbench.responses import Finding, finding
@@ -28,7 +30,7 @@ class FiberShear(ExactBeams):
 
     name: ClassVar[str] = "fiber-shear"
     material: ClassVar[tuple[str, ...]] = ("rate", "hardening")
-    version: ClassVar[int] = 7
+    version: ClassVar[int] = 8
     shear_yields: ClassVar[bool] = True
     longer: ClassVar[float] = 2.0  # webs that yield take the waves out
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -53,11 +55,13 @@ class FiberShear(ExactBeams):
         )
 
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
-        """As all; and pulses that webs decide, which are those between the flanges here.
+        """As all; webs that buckle; and pulses that webs decide, between the flanges here.
 
         At the ends of a line load all webs that yield slide alike, see docs/theory/shear-panel.md.
         """
-        findings = super().domain(scenario)
+        frame = as_frame(scenario).frame
+        webs = {m.name: web_of(frame.strength_section(m), frame.steel) for m in frame.members}
+        findings = super().domain(scenario) + web_findings(webs)
         if isinstance(scenario, MemberPulse):
             if scenario.load == UNIFORM:
                 findings = [each for each in findings if each.subject != DIRECT_SHEAR]

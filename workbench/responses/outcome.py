@@ -20,7 +20,8 @@ COLUMNS = ("subject", "severity", "sentence", "remedy", "number", "limit", "inst
 _NOT_OF_DOMAIN = frozenset(
     (
         *("mesh", "refinement", "time-step", "damping", "yield-ratio", "energy-balance", "no-peak"),
-        *("section", "plates", "exponents", "no-residual", "light-striker", "hinge-stiffness"),
+        *("section", "plates", "slender-web", "exponents", "no-residual", "light-striker"),
+        "hinge-stiffness",
         *(
             "error-not-measured",
             "close-to-collapse",

@@ -53,7 +53,7 @@ def error_rows(study: Study, table: ErrorTable, root: Path) -> Iterator[Row]:
             doubts, peak, residuals[label] = set(), nan, nan
             if answer is not None:
                 doubts = _against_itself(answer[1])
-                peak, residuals[label] = map(_rounded, reached(answer[1]))
+                peak, residuals[label] = map(_rounded, reached(answer[1])[:2])
             if label == study.reference:
                 reference = nan if doubts else peak
                 if answer is not None:

@@ -141,15 +141,18 @@ def _gap(survived_at: float, collapsed_at: float, silent: list[float]) -> tuple[
 def ask(model: Model, scenario: Any) -> tuple[Any, Response]:
     """The answer of a model; a record that ends before its peak is made longer, where it may be.
 
-    With the scenario, which then has this record.
+    With the scenario, which then has this record. A reference looks for it on one mesh.
     """
-    response = model.simulate(scenario)
+    response, alone = model.simulate(scenario), on_one_mesh(model)
+    first = scenario
     for _ in range(LONGER):
         longer = 2.0 * getattr(scenario, "duration", DURATION.high)
         undecided = outcome_of(response) is Outcome.OK and survives(response) is None
         if not undecided or longer > DURATION.high:
             break
         scenario = replace(scenario, duration=longer)
+        response = alone.simulate(scenario)
+    if scenario is not first and alone != model:
         response = model.simulate(scenario)
     return scenario, response
 

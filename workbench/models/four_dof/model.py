@@ -13,17 +13,12 @@ from workbench.hinges import ShearSurface, YieldSurface, has_shear_surface, has_
 from workbench.hinges.interaction import SHEAR_DEPTHS, fitted_exponents
 from workbench.hinges.rate import bar_law, panel_law
 from workbench.models.batch import SURVIVES, UNKNOWN, Answers
-from workbench.models.domain import (
-    buckles,
-    panel_findings,
-    panel_refused,
-    shear_findings,
-    stub_findings,
-)
+from workbench.models.domain import buckles, shear_findings, stub_findings
 from workbench.models.elastic_springs import Springs, beam_springs
 from workbench.models.four_dof import kinematics, march
 from workbench.models.four_dof.equations import along_tangent
 from workbench.models.four_dof.rigid_bars import PACES, RigidBars, collapsed
+from workbench.models.hinge_limits import panel_findings, panel_refused
 from workbench.models.hit_mass import HIT_MASS, WAVES, with_hit_mass
 from workbench.models.strain_rate import flows
 from workbench.responses import Finding, finding
@@ -162,7 +157,7 @@ class FourDofShear(RigidBars):
             return [finding("no-flanges", name=column.section.name)]
         surface = self.surface(column)
         lengths = {"below": column.length_below, "above": column.length_above}
-        findings = panel_findings(surface, column.properties, "the column")
+        findings = panel_findings(surface, column.properties)
         return findings + stub_findings(surface, lengths)
 
     def _reached(self, column: Column, values: dict[str, Any]) -> list[Finding]:
