@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+from scipy.stats import t as student
 from threadpoolctl import threadpool_limits
 
 from workbench.arrays import Array, Indices
@@ -39,6 +40,7 @@ from workbench.uncertainty.critical_velocity import (
     ratio_to_reference,
     search,
 )
+from workbench.uncertainty.fragility_curve import LEVEL
 from workbench.uncertainty.inputs import UncertainScenario
 
 MESH_LEVELS = 6  # of the runs on finer meshes
@@ -74,6 +76,11 @@ class Setup:
     target: Target = Target()
     jobs: int = 1
     meshes: bool = True
+
+    @property
+    def has_meshes(self) -> bool:
+        """Whether some of the references are run on finer meshes."""
+        return self.meshes and hasattr(self.reference, "refinement")
 
     @property
     def search(self) -> tuple[float, float]:
@@ -113,6 +120,27 @@ def on_finer_mesh(
     if width is None:
         return None
     return -log(peak / coarse) / ratio.slope, width / peak / ratio.slope
+
+
+class Finer(NamedTuple):
+    """References on a mesh that is `refined` so many times more, a few `among` the first so many.
+
+    `runs`: shift and remaining half-width in ln velocity of each, NaN where it has no answer.
+    """
+
+    refined: int = 0
+    among: int = 0
+    runs: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def error(self) -> tuple[float | None, float]:
+        """Half-width (None: unknown) and shift in ln velocity from the mesh of the references."""
+        parts = [part for part in self.runs if isfinite(part[0])]
+        if len(parts) < 2:
+            return None, 0.0
+        shifts, widths = np.array(parts).T
+        spread = student.ppf(0.5 + LEVEL / 2.0, len(parts) - 1) * shifts.std(ddof=1)
+        return float(widths.max() + spread / np.sqrt(len(parts))), float(shifts.mean())
 
 
 Run = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
