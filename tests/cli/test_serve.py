@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from functools import partial
 
 import pytest
 from waitress import wasyncore
@@ -203,6 +204,7 @@ def started(program, file):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_IGN),  # as a shell's job has it
     )
     line = process.stderr.readline()
     assert "is served at http://127.0.0.1:" in line

@@ -18,6 +18,7 @@ from threadpoolctl import threadpool_limits
 from workbench.arrays import Array, Indices
 from workbench.errors import WorkbenchError
 from workbench.evidence.error_model import PEAK
+from workbench.fields import Number
 from workbench.models.base import Model, on_one_mesh
 from workbench.models.batch import FAILURE, OUTCOME, can_stack, simulate_many
 from workbench.responses import SCALARS, Outcome, outcome_of
@@ -25,6 +26,7 @@ from workbench.responses.uncertainty import WIDTHS
 from workbench.scenarios import Scenario
 from workbench.scenarios.column import DURATION
 from workbench.scenarios.varied import Path_, Varied
+from workbench.study.executors import deaf_to_interrupts, end_with_parent
 from workbench.study.limit import LONGER
 from workbench.uncertainty.critical_velocity import (
     BEYOND,
@@ -165,10 +167,18 @@ class Processes:
         else:
             context = get_context("spawn")
             self.pool = ProcessPoolExecutor(self.jobs, context, initializer=_one_thread)
-        return self.pool.map
+        return self._map
+
+    def _map(self, function: Callable[[Any], Any], tasks: Iterable[Any]) -> Iterator[Any]:
+        assert self.pool is not None
+        with deaf_to_interrupts():  # processes start with their first task
+            return self.pool.map(function, tasks)
 
     def __exit__(self, kind: object, error: object, trace: object) -> None:
         if self.pool is not None:
+            if error is not None:  # such as an interrupt: nobody waits for what is at work
+                for process in dict(getattr(self.pool, "_processes", None) or {}).values():
+                    process.kill()
             self.pool.shutdown(cancel_futures=True)
         if isinstance(error, BrokenProcessPool):
             text = "a process was stopped from outside; is there memory for this many --jobs?"
@@ -176,7 +186,14 @@ class Processes:
 
 
 def _one_thread() -> None:
+    end_with_parent()
     threadpool_limits(1)
+
+
+def numbers_at(path: Path_, rule: Number, values: Iterable[Any]) -> Array:
+    """Values (rows,) of a key as numbers in SI; texts of a discrete law say their unit."""
+    name = ".".join(map(str, path))
+    return np.array([rule.check(name, v) if isinstance(v, str) else float(v) for v in values])
 
 
 @dataclass(frozen=True)
@@ -210,7 +227,7 @@ class Sampled:
         """
         values = self._values(slice(None)) if values is None else values
         count = len(next(iter(values.values())))
-        duration = np.asarray(values.get(RECORD, np.full(count, self.like.duration)), float)
+        duration = numbers_at(RECORD, DURATION, values.get(RECORD, [self.like.duration] * count))
         asked = Varied(self.varied.tables, {**values, RECORD: duration})
         table = answers_by(self.run, self.jobs, self.model, asked, self.like)
         peaks = np.full(count, np.nan)
