@@ -16,17 +16,17 @@ LARGEST_FILE = 20_000_000  # bytes; a row of tests has some 500, so this holds s
 _LIBRARIES = {"parquet": "pyarrow", "xlsx": "openpyxl"}  # of the extra `tables`, by ending
 
 
-def data_directory() -> Path:
-    """Find the directory of the published data that come with the workbench.
+def data_directory(name: str = "data") -> Path:
+    """Find the directory of the published data, or ``studies``, that come with the workbench.
 
     Inside an installed package it is ``workbench/_data``, in a source tree ``data`` beside the
     package. Raises `WorkbenchError` when neither exists.
     """
     package = Path(__file__).resolve().parent
-    for directory in (package / "_data", package.parent / "data"):
+    for directory in (package / f"_{name}", package.parent / name):
         if directory.is_dir():
             return directory
-    raise WorkbenchError(f"the data files of the workbench are missing beside {package}")
+    raise WorkbenchError(f"the {name} of the workbench are missing beside {package}")
 
 
 def own_data_directory() -> Path:

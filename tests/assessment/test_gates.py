@@ -63,15 +63,17 @@ def test_nothing_passes_but_what_passes_in_every_case_asked(cases, verdict):
     assert GateVerdict(1, GATE, cases).verdict.value == verdict
 
 
-def of(name, value, verdict=Verdict.PASS, **more):
-    """A case with a half-width of 0.01."""
-    return CaseVerdict(name, verdict, value, None if value is None else 0.01, "", **more)
+def of(name, value, verdict=Verdict.PASS, width=0.01, **more):
+    """A case with a half-width of 0.01 or another."""
+    return CaseVerdict(name, verdict, value, None if value is None else width, "", **more)
 
 
 @pytest.mark.parametrize(
     "cases",
     [
         (of("small", 0.02), of("far", -0.03)),
+        (of("larger", 0.03), of("far", 0.02, width=0.025)),  # less sure, so that it reaches farther
+        (of("larger", -0.03), of("far", -0.02, width=0.025)),
         (of("far", 0.01, low=-0.04, high=0.02), of("half-width", 0.02)),  # skewed
         (of("far", 0.01, low=-0.01, high=0.04), of("other side", 0.01, low=-0.03, high=0.02)),
         (of("far", 0.01), of("both fall", None, collapsed=("four-dof", "reference"))),

@@ -71,7 +71,7 @@ def test_a_missile_is_printed_as_a_pulse(capsys: pytest.CaptureFixture[str], tmp
     assert run(["new", "missile", str(tmp_path / "none.csv"), "--velocity", "50"]) == 2
     assert "missile = " in capsys.readouterr().err
     assert run(["new", "missile", str(file), "--velocity", "0"]) == 2
-    assert "velocity = 0.0: must be a number above 0" in capsys.readouterr().err
+    assert "velocity = 0.0: must be a number from 0.001" in capsys.readouterr().err
 
 
 def test_the_ground_near_a_fault_is_printed_as_a_motion(capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,6 +14,7 @@ from builders import UNCERTAIN
 from workbench.cli import run
 from workbench.registry import make_model
 from workbench.scenarios import load_scenario
+from workbench.study.store import locked
 
 TEXT = f"""{UNCERTAIN}mass = 1500.0
 velocity = {{ normal = [10.0, 1.0] }}
@@ -80,6 +81,18 @@ def test_a_killed_run_goes_on_where_it_was(uncertain_file, tmp_path, monkeypatch
     assert run([*asked, "--out", str(whole)]) == 0
     assert out.read_bytes() == whole.read_bytes()
     assert not list(tmp_path.glob(".*chunks*"))
+
+
+def test_two_at_once_are_told_apart(uncertain_file, tmp_path, capsys):
+    out = tmp_path / "answers.csv"
+    folder = tmp_path / ".answers.csv.chunks"
+    folder.mkdir()
+    asked = ["sample", uncertain_file, *SDOF, "--samples", "12", "--out", str(out)]
+    with locked(folder / ".lock"):  # as the other one holds it
+        assert run(asked) == 2
+    assert "is in use by another run; wait until it is over" in capsys.readouterr().err
+    assert run(asked) == 0
+    assert not folder.exists()
 
 
 def test_chunks_of_another_question_are_not_taken(uncertain_file, tmp_path, capsys):

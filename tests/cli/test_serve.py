@@ -7,8 +7,11 @@ import socket
 import subprocess
 import sys
 import threading
+import time
+from functools import partial
 
 import pytest
+from waitress import wasyncore
 
 from workbench.cli import run
 from workbench.cli.serve import Server, Service
@@ -26,18 +29,17 @@ def served():
     keys = ["striker.velocity", "steel.yield_stress"]
     service = Service(make_model(MODEL), SCENARIO, keys, ["peak_displacement", "impulse"])
     server = Server(service, "127.0.0.1", 0)
-    thread = threading.Thread(target=server.serve_forever, daemon=True)
+    thread = threading.Thread(target=server.run, daemon=True)
     thread.start()
     yield server
-    server.shutdown()
-    server.server_close()
+    server.trigger.pull_trigger(lambda: wasyncore.close_all(server._map))
     thread.join()
 
 
-def ask(server, method, path, body=None, raw=None):
-    connection = http.client.HTTPConnection("127.0.0.1", server.server_port, timeout=60)
+def ask(server, method, path, body=None, raw=None, **headers):
+    connection = http.client.HTTPConnection("127.0.0.1", server.effective_port, timeout=60)
     content = raw if raw is not None else (None if body is None else json.dumps(body))
-    connection.request(method, path, content, {"Content-Type": "application/json"})
+    connection.request(method, path, content, {"Content-Type": "application/json", **headers})
     response = connection.getresponse()
     assert response.headers["Content-Type"] == "application/json"
     reply = json.loads(response.read())
@@ -116,12 +118,75 @@ def test_garbage_and_silence_end_no_server(served):
         status, reply = ask(served, "POST", "/Evaluate", raw=raw)
         assert (status, reply["error"]["type"]) == (400, "InvalidInput")
     assert ask(served, "GET", "/Evaluate")[0] == 404
-    with socket.create_connection(("127.0.0.1", served.server_port)) as silent:
-        silent.sendall(b"POST /Evaluate HTTP/1.1\r\nContent-Length: 5\r\n\r\n")
-    with socket.create_connection(("127.0.0.1", served.server_port)) as large:
-        large.sendall(b"POST /Evaluate HTTP/1.1\r\nContent-Length: 999999999999\r\n\r\n")
-        assert b"InvalidInput" in large.makefile("rb").read()
     assert ask(served, "GET", "/Info")[0] == 200
+
+
+HEAD = b"POST /Evaluate HTTP/1.1\r\nHost: localhost\r\n"
+
+
+def connect(server):
+    return socket.create_connection(("127.0.0.1", server.effective_port), timeout=30)
+
+
+@pytest.mark.parametrize(
+    ("length", "status"),
+    [
+        (b"999999999999", b"413"),
+        (b"9" * 4000, b"413"),
+        (b"9" * 5000, b"431"),  # the head is too large
+        (b"-5", b"400"),
+        (b"five", b"400"),
+        (b"5, 7", b"400"),
+    ],
+)
+def test_lengths_that_cannot_be_have_an_answer(served, length, status):
+    with connect(served) as client:
+        client.sendall(HEAD + b"Content-Length: " + length + b"\r\n\r\n{}")
+        assert client.makefile("rb").readline().split()[1] == status
+
+
+def test_slow_and_silent_clients_hold_no_one_and_are_left(served, monkeypatch):
+    with connect(served) as slow, connect(served) as silent:
+        slow.sendall(HEAD + b"Content-Length: 500\r\n\r\n{")
+        begun = time.monotonic()
+        assert ask(served, "GET", "/Info")[0] == 200
+        assert time.monotonic() - begun < 5.0
+        monkeypatch.setattr("workbench.cli.serve.PATIENCE", 0.5)
+        served.adj.channel_timeout = 0.5
+        for client in (slow, silent):
+            assert client.recv(100) == b""
+    served.adj.channel_timeout = 10
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"),
+    [
+        ({"Host": "evil.example"}, 403),
+        ({"Host": "evil.example:4242"}, 403),
+        ({"Host": "["}, 403),
+        ({"Host": "10.0.0.1"}, 403),
+        ({"Host": "LOCALHOST:80"}, 200),
+        ({"Host": "[::1]:4242"}, 200),
+        ({"Origin": "http://evil.example"}, 403),
+        ({"Origin": "null"}, 403),
+        ({"Origin": "http://127.0.0.1:8000"}, 200),
+    ],
+)
+def test_pages_of_other_places_are_refused(served, headers, status):
+    replied, reply = ask(served, "GET", "/Info", **headers)
+    assert replied == status
+    if status == 403:
+        assert reply["error"]["type"] == "Forbidden"
+
+
+def test_two_hundred_at_once_are_all_answered(served):
+    clients = [connect(served) for _ in range(200)]
+    body = json.dumps({"name": MODEL, "input": [[8.0, 3e8]]}).encode()
+    for client in clients:
+        client.sendall(HEAD + b"Content-Length: %d\r\n\r\n" % len(body) + body)
+    for client in clients:
+        assert client.makefile("rb").readline().split()[1] == b"200"
+        client.close()
 
 
 @pytest.fixture
@@ -131,26 +196,50 @@ def file(tmp_path):
     return str(path)
 
 
-def test_the_verb_serves_until_it_is_interrupted(file):
-    program = "from workbench.cli import main; main()"
+def started(program, file):
+    """A process that serves, and its port."""
     verb = ["serve", file, "--over", "striker.velocity", "--model", MODEL, "--port", "0", "--json"]
     process = subprocess.Popen(
         [sys.executable, "-c", program, *verb],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_IGN),  # as a shell's job has it
     )
     line = process.stderr.readline()
     assert "is served at http://127.0.0.1:" in line
-    port = int(line.split("http://127.0.0.1:")[1].split()[0])
+    return process, int(line.split("http://127.0.0.1:")[1].split()[0])
+
+
+MAIN = "from workbench.cli import main; main()"
+
+
+def test_the_verb_serves_until_it_is_interrupted(file):
+    process, port = started(MAIN, file)
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=300)
     connection.request("POST", "/Evaluate", json.dumps({"name": MODEL, "input": [[8.0]]}))
     assert len(json.loads(connection.getresponse().read())["output"][0]) == 1
+    connection.close()
     process.send_signal(signal.SIGINT)
     out, error = process.communicate(timeout=60)
     assert process.returncode == 0
     assert json.loads(out) == {"model": MODEL, "evaluations": 1}
     assert error == ""
+
+
+def test_an_interrupt_ends_a_long_request_too(file):
+    slow = "import time; from workbench.cli import serve; "
+    slow += "serve.Service.evaluate = lambda *_: time.sleep(100.0); " + MAIN
+    process, port = started(slow, file)
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=300)
+    connection.request("POST", "/Evaluate", json.dumps({"name": MODEL, "input": [[8.0]]}))
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    begun = time.monotonic()
+    process.communicate(timeout=60)
+    assert process.returncode == 0
+    assert time.monotonic() - begun < 20.0
+    connection.close()
 
 
 @pytest.mark.parametrize(
@@ -174,6 +263,6 @@ def test_bad_input_is_one_line(file, capsys, arguments, message):
 
 
 def test_a_port_that_is_taken_is_one_line(file, served, capsys):
-    port = str(served.server_port)
+    port = str(served.effective_port)
     assert run(["serve", file, "--over", "striker.velocity", "--port", port]) == 2
     assert "cannot be listened at" in capsys.readouterr().err

@@ -1,5 +1,6 @@
 """Sweeps: every value with every other, by models, in one dataset."""
 
+import io
 import json
 
 import numpy as np
@@ -9,6 +10,9 @@ import xarray as xr
 
 import workbench as wb
 from workbench.cli import run
+from workbench.errors import InputError
+from workbench.report.gallery import to_csv
+from workbench.study.tables import csv_bytes, from_spreadsheets, workbook_bytes
 
 MODELS = ("single-dof", "four-dof")
 
@@ -160,3 +164,35 @@ def test_many_hits_are_a_table(impact):
     for wrong, words in ((("no-model", hits), "no-model"), (("single-dof", hits, 0), "threads")):
         with pytest.raises(wb.InputError, match=words):
             wb.simulate_many(*wrong)
+
+
+def test_a_key_within_another_is_refused(impact, column_file, tmp_path, capsys):
+    file = tmp_path / "cases.csv"
+    for keys in ("striker,striker.velocity", "striker.velocity,striker"):
+        file.write_text(f"{keys}\n5,6\n")
+        asked = ("sweep", column_file, "--cases", str(file), "--model", "single-dof")
+        assert run(asked) == 2
+        error = capsys.readouterr().err
+        assert "striker.velocity: stands within striker, which is varied too" in error
+        assert error.count("\n") == 1
+    with pytest.raises(InputError, match="stands within"):
+        wb.sweep(impact, {"striker": [5], "striker.velocity": [6, 7]}, ["single-dof"])
+
+
+def test_texts_of_tables_are_no_formulas(tmp_path):
+    """What a spreadsheet would run stands behind an apostrophe, and is read back without it."""
+    name = "=cmd|'/C calc'!A0"
+    table = pd.DataFrame({name: ["+1", "-x", "@a"], "b": ["\tc", "fine", "5"], "c": [-1.5, 2, 3]})
+    text = csv_bytes(table).decode()
+    assert text.splitlines()[0] == f"'{name},b,c"
+    rows = [line.split(",") for line in text.splitlines()[1:]]
+    assert [row[0] for row in rows] == ["'+1", "'-x", "'@a"]
+    assert [row[1] for row in rows] == ["'\tc", "fine", "5"]
+    assert [row[2] for row in rows] == ["-1.5", "2.0", "3.0"]
+    assert to_csv(table).splitlines()[1] == "'+1,'\tc,-1.5"
+    again = from_spreadsheets(pd.read_csv(io.StringIO(text)))
+    assert again["b"].tolist() == table["b"].tolist()
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.load_workbook(io.BytesIO(workbook_bytes({"table": table})))
+    cells = [cell for row in book["table"].iter_rows() for cell in row]
+    assert {cell.data_type for cell in cells} == {"s", "n"}

@@ -35,6 +35,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import tomli_w
+import xarray as xr
 from scenario_tables import SCENARIOS, places, put
 from threadpoolctl import threadpool_limits
 
@@ -64,6 +65,9 @@ WILD: list[Any] = [
 ]
 MESH = {"smallest_element": 0.2, "largest_element": 0.4, "levels": 1}
 REFERENCES = "workbench.references"
+LOOKED_UP = ("measured", "published")  # models that solve nothing
+ANSWER = "answer.nc"
+SOLVED = ("ok", "collapse", "not-converged", "timed-out")
 FITS = {  # verbs by the shipped table that feeds them
     "stud-strength": "push_out",
     "load-slip": "load_slip",
@@ -100,12 +104,18 @@ class Job:
 
 @dataclass(frozen=True)
 class Ending:
-    """How a job ended: exit `status` (None: an exception), `said`, processor time, peak memory."""
+    """How a job ended: exit `status` (None: an exception), `said`, processor time, peak memory.
+
+    `outcome` of a scenario that was answered; `flat`, whether its peak is 0 beside a history that
+    moves.
+    """
 
     status: int | None
     said: str
     seconds: float
     memory: int
+    outcome: str = ""
+    flat: bool = False
 
     @property
     def fault(self) -> str:
@@ -116,9 +126,16 @@ class Ending:
             return f"a traceback: {self.said[-2000:]}"
         if self.status == 2 and not 1 <= self.said.count("\n") <= 2:  # a run says what it does
             return f"not one message: {self.said[-2000:]}"
+        if self.flat:
+            return "a peak of 0 beside a history that moves"
         if self.seconds > MOST_SECONDS:
             return f"{self.seconds:.0f} s of processor time"
         return f"{self.memory / 2**30:.1f} GB" if self.memory > MOST_MEMORY else ""
+
+    @property
+    def reaches_solver(self) -> bool:
+        """Whether a solver was at work."""
+        return self.outcome in SOLVED
 
 
 def coded(content: bytes) -> str:
@@ -149,11 +166,12 @@ def scenario_job(chance: random.Random, quick: bool) -> Job:
     answer = [n for n in model_names() if SCENARIOS[name]["kind"] in model_kind(n).answers]
     if quick:
         answer = [n for n in answer if not model_kind(n).__module__.startswith(REFERENCES)]
+        answer = [n for n in answer if n not in LOOKED_UP] or answer
     model = chance.choice(answer)
     known = {f.name for f in model_kind(model).__dataclass_fields__.values()}
     options = [f"--option={key}={value}" for key, value in MESH.items() if key in known]
     content = tomli_w.dumps(tables).encode(errors="surrogatepass")
-    arguments = ["simulate", "scenario.toml", "--model", model, *options]
+    arguments = ["simulate", "scenario.toml", "--model", model, *options, "--out", ANSWER]
     return Job(arguments, {"scenario.toml": coded(content)})
 
 
@@ -259,8 +277,19 @@ def perform(job: Job, base: Path) -> Ending:
             return Ending(None, traceback.format_exc(), time.process_time() - before, 0)
         finally:
             os.chdir(here)
+        outcome, flat = answered(Path(name, ANSWER))
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-    return Ending(status, err.getvalue(), time.process_time() - before, memory)
+    return Ending(status, err.getvalue(), time.process_time() - before, memory, outcome, flat)
+
+
+def answered(path: Path) -> tuple[str, bool]:
+    """Outcome in a file of an answer, and whether its peak is 0 beside a history that moves."""
+    if not path.is_file():
+        return "", False
+    with xr.open_dataset(path) as answer:
+        peak = float(answer.get("peak_displacement", nan))
+        moved = float(abs(answer["displacement"]).max()) if "displacement" in answer else 0.0
+        return str(answer.attrs["outcome"]), peak == 0.0 < moved
 
 
 def replay(path: Path, base: Path) -> Ending:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from builders import made_once
-from fuzz import CORPUS, jobs, make_store, perform, replay
+from fuzz import CORPUS, jobs, make_store, perform, replay, scenario_job
 
 KEPT = sorted(CORPUS.glob("*.json"))
 
@@ -33,6 +33,20 @@ def test_disturbed_input_ends_in_an_answer_or_one_message(base: Path) -> None:
         endings.append(ending.status)
     assert endings.count(0) >= 7  # most jobs must get beyond the reader
     assert endings.count(2) >= 6
+
+
+@pytest.mark.slow
+def test_five_hundred_disturbed_scenarios_mostly_reach_a_solver(tmp_path: Path) -> None:
+    """Without a traceback, a hang, or a peak of 0 beside a history that moves."""
+    random_jobs, reached = random.Random(5), 0
+    for _ in range(500):
+        job = scenario_job(random_jobs, quick=True)
+        ending = perform(job, tmp_path)
+        if "processor time" in ending.fault:  # the first run of a model compiles it
+            ending = perform(job, tmp_path)
+        assert ending.fault == "", job
+        reached += ending.reaches_solver
+    assert reached >= 250
 
 
 @pytest.mark.parametrize("path", KEPT, ids=lambda path: path.stem)

@@ -55,6 +55,8 @@ def test_pulses_that_are_none_are_refused() -> None:
         ({"shape": "table", "times": (0.0, 1.0), "factors": (1.0,) * 3}, "pulse.factors"),
         ({"shape": "table", "times": (0.1, 1.0), "factors": (1.0, 0.0)}, "pulse.times"),
         ({"shape": "table", "times": (0.0, 1.0), "factors": (0.0, 0.0)}, "pulse.factors"),
+        ({"shape": "table", "times": (0.0, 1.0), "factors": (1e-300, 0.0)}, "pulse.factors"),
+        ({"peak": 1e-300}, "pulse.peak"),
     ):
         with pytest.raises(InputError) as error:
             Pulse(**{"shape": "triangular", "peak": 1.0, "length": 0.1, **given})

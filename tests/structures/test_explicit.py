@@ -139,3 +139,10 @@ def test_consistent_mass_is_refused() -> None:
     assembly, dof = clamped(12, lumped=False)
     with pytest.raises(ValueError, match="lumped"):
         next(explicit_impact(assembly, dof, PointMass(500.0, 15.0), [(1e-2, 1e-4)]))
+
+
+def test_records_of_too_many_steps_are_refused_at_once() -> None:
+    assembly, dof = clamped(8)
+    steps = explicit_impact(assembly, dof, PointMass(1500.0, 20.0), [(1e4, 1.0)])
+    with pytest.raises(SolverError, match=r"time 0 s.*tried 2000000 of .* steps"):
+        next(steps)

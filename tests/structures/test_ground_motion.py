@@ -13,6 +13,7 @@ from scipy.linalg import expm
 
 from workbench.errors import SolverError
 from workbench.scenarios.pulse import line_integral
+from workbench.structures import time_steps
 from workbench.structures.paths import apply_loads
 from workbench.structures.time_steps import TimeStep, follow_force, rigid_displacement
 
@@ -231,3 +232,22 @@ def test_failures_are_named() -> None:
     rod.solve = lambda right: None
     with pytest.raises(SolverError, match=r"time 0 s: .*line search, steps down to"):
         follow(rod, dof, [1.0, 1.0], 1.0, 1.0, 0.1)
+
+
+def test_steps_have_a_limit_before_and_on_the_way(monkeypatch) -> None:
+    """A step that is never solved in one piece is halved, and counts as often as it is tried."""
+    rod, _, _ = oscillator()
+    with pytest.raises(SolverError, match=r"time 0 s: residual 0; tried 2000000 of 1e\+09 steps"):
+        next(ground_motion(rod, "x", (1.0, 1.0), 1.0, [(1.0, 1e-9)], 0.5))
+    monkeypatch.setattr(time_steps, "MOST_STEPS", 20)
+    taken = []
+
+    def short_ones_alone(begin: float, length: float):
+        if length > 0.02:
+            return None, 1, 7.0
+        taken.append(begin)
+        return TimeStep(length, None, 0.0, 0.0), 1, 1e-9
+
+    with pytest.raises(SolverError, match="tried 20 of 21 steps") as error:
+        list(time_steps.march([(1.0, 0.1)], short_ones_alone, ""))
+    assert error.value.step == f"time {taken[-1]:.6g} s"

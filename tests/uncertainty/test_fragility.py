@@ -2,7 +2,9 @@
 
 import copy
 import json
+from dataclasses import dataclass
 from math import isfinite, log
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -11,7 +13,9 @@ from builders import UNCERTAIN
 from workbench.cli import run
 from workbench.cli.fragility import pair_of
 from workbench.errors import InputError, WorkbenchError
+from workbench.models.four_dof import FourDof
 from workbench.registry import make_model
+from workbench.responses.uncertainty import WIDTHS
 from workbench.scenarios import frame_scenario
 from workbench.uncertainty.certificate import certificate, verify
 from workbench.uncertainty.critical_velocity import (
@@ -107,13 +111,22 @@ def test_result_says_what_it_rests_on(result):
     assert 0.0 <= low <= middle <= high <= 1.0
 
 
-def test_certificate_holds_and_a_changed_one_does_not(result):
-    content = json.loads(json.dumps(certificate(result), allow_nan=False))
-    assert all(each.agrees for each in verify(content, seed=3))
+@pytest.fixture(scope="module")
+def content(result):
+    return json.loads(json.dumps(certificate(result), allow_nan=False))
+
+
+def test_certificate_holds_and_changed_references_do_not(content):
+    sound = verify(content, seed=3)
+    assert sound.holds
+    assert len(sound.runs) == 2
+    assert sound.differs == ()
     forged = copy.deepcopy(content)
     for entry in forged["references"]:
         entry["log_ratio"] += 0.01
-    assert not any(each.agrees for each in verify(forged, seed=3))
+    again = verify(forged, seed=3)
+    assert not any(each.agrees for each in again.runs)
+    assert "curve.velocity" in again.differs
     other = copy.deepcopy(content)
     other["models"]["reduced"]["version"] += 1
     with pytest.raises(InputError, match="version"):
@@ -123,6 +136,134 @@ def test_certificate_holds_and_a_changed_one_does_not(result):
         verify(other, seed=3)
     with pytest.raises(InputError, match="kind"):
         verify({}, seed=3)
+
+
+def halve_the_median(content):
+    content["curve"]["median"] = [0.5 * p for p in content["curve"]["median"]]
+
+
+def narrow_the_band(content):
+    content["curve"]["low"] = content["curve"]["high"] = content["curve"]["median"]
+
+
+def shift_a_reference(content):
+    content["references"][4]["velocity"] *= 1.01
+
+
+def take_other_references(content):
+    content["references"][4]["sample"] += 1
+
+
+def swap_velocities(content):
+    first, second = content["references"][:2]
+    first["velocity"], second["velocity"] = second["velocity"], first["velocity"]
+
+
+@pytest.mark.parametrize(
+    ("forge", "place"),
+    [
+        (halve_the_median, "curve.median"),
+        (narrow_the_band, "curve.low"),
+        (shift_a_reference, "references"),
+        (take_other_references, "references"),
+        (swap_velocities, "references"),
+        (lambda c: c["references"].reverse(), "references"),
+        (lambda c: c["references"].pop(), "curve.median"),
+        (lambda c: c.update(level=0.95), "level"),
+        (lambda c: c.update(seed=2), "curve.median"),
+        (lambda c: c.update(kinds={"reached": 2 * SAMPLES}), "kinds.reached"),
+        (lambda c: c["turning"].update(samples=3), "turning.samples"),
+        (lambda c: c.update(numerical_half_width=0.001), "numerical_half_width"),
+        (lambda c: c["half_width"].update(probability=0.0), "half_width.probability"),
+        (lambda c: c["runs"].update(references=1000), "runs.references"),
+        (lambda c: c["curve"].update(velocity=c["curve"]["velocity"][1:]), "curve.velocity"),
+        (lambda c: c.pop("curve"), "curve.median"),
+    ],
+)
+def test_every_part_of_a_certificate_is_computed_again(content, forge, place):
+    forged = copy.deepcopy(content)
+    forge(forged)
+    again = verify(forged, seed=3)
+    assert not again.holds
+    assert place in again.differs
+
+
+@pytest.mark.parametrize(
+    ("forge", "message"),
+    [
+        (lambda c: c["velocities"].reverse(), r"certificate\.velocities = .* must rise"),
+        (
+            lambda c: c.update(references=c["references"][:2]),
+            "certificate.references = 2: .* from 8",
+        ),
+        (lambda c: c.update(looks=[12, 18, 27, 40, 60]), "references = 16: must be one of 12"),
+        (lambda c: c["references"][3].update(log_ratio="x"), r"references\.3\.log_ratio = 'x'"),
+        (lambda c: c.update(seed=-1), r"certificate\.seed = -1"),
+        (lambda c: c.update(seed="one"), r"certificate\.seed"),
+        (lambda c: c.update(limit=-1), r"certificate\.limit = -1"),
+        (lambda c: c.update(limit=1e300), r"certificate\.limit"),
+        (lambda c: c.update(samples=16.5), r"certificate\.samples"),
+        (lambda c: c.update(samples=1 << 40), r"certificate\.samples"),
+        (lambda c: c.update(references=7), "lacks or garbles"),
+        (lambda c: c.update(references=[7]), "lacks or garbles"),
+        (lambda c: c.update(models=[]), "lacks or garbles"),
+        (lambda c: c.update(meshes=None), "lacks or garbles"),
+        (
+            lambda c: c["meshes"].update(runs=[{"shift": 0.0, "half_width": 0.0}]),
+            "certificate.mesh",
+        ),
+        (lambda c: c.update(format=1), "make the certificate again"),
+    ],
+)
+def test_certificates_that_cannot_be_are_refused(content, forge, message):
+    forged = copy.deepcopy(content)
+    forge(forged)
+    with pytest.raises(InputError, match=message):
+        verify(forged, seed=3)
+
+
+@dataclass(frozen=True)
+class Meshed(FourDof):
+    """As if the model had a mesh, on which its peak hangs."""
+
+    name: ClassVar[str] = "meshed"
+    refinement: int = 0
+    levels: int = 1
+
+    def simulate(self, scenario):
+        response = super().simulate(scenario)
+        if "peak_displacement" in response:
+            response["peak_displacement"] *= 1.0 + 0.02 / 4.0**self.refinement
+            widths = {"peak_displacement": 1e-4 * scenario.column.steel.yield_stress / 355e6}
+            response.attrs[WIDTHS] = json.dumps(widths)
+        return response
+
+
+def test_the_numerical_part_of_the_band_is_computed_again(monkeypatch):
+    pair = make_model("single-dof"), Meshed()
+    asked = Setup(
+        *(uncertain_from_text(TEXT), *pair, Limit(0.1), (5.0, 20.0), SAMPLES),
+        references=8,
+    )
+    found = fragility(asked)
+    width, shift = found.finer.error
+    assert 0.0 < width < 0.01
+    assert shift == pytest.approx(0.015 / 1.8, rel=0.3)  # what the finer mesh takes off the peak
+    assert len(found.finer.runs) == 4
+    known = {model.name: model for model in pair}
+    monkeypatch.setattr("workbench.uncertainty.certificate.make_model", known.get)
+    content = json.loads(json.dumps(certificate(found), allow_nan=False))
+    sound = verify(content, seed=3)
+    assert sound.holds
+    assert [each.mesh for each in sound.runs] == ["", "", f"{2**found.finer.refined} times finer"]
+    forged = copy.deepcopy(content)
+    forged["meshes"]["runs"] = []
+    with pytest.raises(InputError, match=r"certificate\.meshes"):
+        verify(forged, seed=3)
+    forged["meshes"]["runs"] = [{"shift": 0.0, "half_width": 0.0}] * 4
+    again = verify(forged, seed=3)
+    assert not again.runs[-1].agrees
+    assert {"numerical_half_width", "mesh_shift", "curve.low"} <= set(again.differs)
 
 
 def test_same_numbers_by_any_number_of_processes(result):

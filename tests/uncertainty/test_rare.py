@@ -6,6 +6,7 @@ import sys
 from math import inf
 
 import numpy as np
+import pandas as pd
 import pytest
 from builders import UNCERTAIN
 from scipy.special import ndtr
@@ -166,6 +167,21 @@ def test_verb_prints_the_probability_and_where_it_fails(file, capsys):
     assert "exceeds 0.15 m with probability" in shown
     assert "error of the model" in shown
     assert run([*asked, "--jobs", "1", "--cov", "0.01", "--runs", "3000"]) == 1
+
+
+def test_a_velocity_may_be_one_of_a_list(file, capsys):
+    """Lorries at 15 m/s in one case of fifty, else at 8 or 10."""
+    law = '{ discrete = { values = [8.0, "36 km/h", 15], weights = [0.5, 0.48, 0.02] } }'
+    asked = ["rare", file, "--limit", "displacement=0.15", "--model", "energy-estimate"]
+    status = run([*asked, "--jobs", "1", "--json", "--set", f"striker.velocity={law}"])
+    content = json.loads(capsys.readouterr().out)
+    assert status == int(content["cov"] > 0.1)
+    samples = ["--samples", "4096", "--seed", "3", "--jobs", "1", "--model", "energy-estimate"]
+    out = file.replace("toml", "csv")
+    assert run(["sample", file, *samples, "--set", f"striker.velocity={law}", "--out", out]) == 0
+    share = float((pd.read_csv(out)["peak_displacement"] > 0.15).mean())
+    assert share > 0.0
+    assert content["probability"] == pytest.approx(share, rel=0.3)
 
 
 @pytest.mark.parametrize(

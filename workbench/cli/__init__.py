@@ -3,6 +3,7 @@
 import codecs
 import os
 import re
+import signal
 import sys
 import unicodedata
 from collections.abc import Callable, Sequence
@@ -31,6 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     with 130.
     """
     _prepare()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # else deaf beside a shell
     sys.exit(run(sys.argv[1:] if arguments is None else arguments))
 
 

@@ -71,8 +71,9 @@ def fragility(
     from workbench.registry import make_model
     from workbench.study.store import write_atomically
     from workbench.uncertainty.certificate import certificate
+    from workbench.uncertainty.critical_ratio import FEWEST_REFERENCES
     from workbench.uncertainty.critical_velocity import limit_of
-    from workbench.uncertainty.fragility import SCRAMBLES
+    from workbench.uncertainty.fragility import MOST_REFERENCES, SCRAMBLES
     from workbench.uncertainty.fragility import fragility as run
     from workbench.uncertainty.inputs import load_uncertain
     from workbench.uncertainty.sample_runs import Setup, Target
@@ -85,7 +86,8 @@ def fragility(
         text = f"must be {SCRAMBLES} times a power of 2, from 2048 to {SCRAMBLES << 16}"
         raise InputError("--samples", samples, text, "such as 8192")
     if references is not None:
-        Number(8, 2000, integer=True).check("--references", references)
+        rule = Number(FEWEST_REFERENCES, MOST_REFERENCES, integer=True)
+        rule.check("--references", references)
     Number(1e-3, 0.5).check("--half-width", half_width)
     Number(1.0, 1e6).check("--seconds", seconds)
     Number(0, 2**32 - 1, integer=True).check("--seed", seed)
@@ -129,16 +131,20 @@ def fragility(
 def verify(
     certificate: Annotated[str, typer.Argument(metavar="CERTIFICATE.json", help="Certificate.")],
     seed: int = option("Seed of the choice of references.", 1),
+    jobs: Jobs = None,
 ) -> Answer:
-    """Run a random tenth of the references of a certificate again.
+    """Compute a certificate again, and compare all of it.
 
-    Exit status 0 if all agree, 1 if one does not, 2 for bad input.
+    From its inputs and seeds: samples, curve and band; a random tenth of the references, and one on
+    a finer mesh, are run again. Exit status 0 if all agrees, 1 if something does not, 2 for bad
+    input.
     """
     from workbench.datafiles import open_input
     from workbench.fields import Number
     from workbench.uncertainty import certificate as certificates
 
     Number(0, 2**32 - 1, integer=True).check("--seed", seed)
+    count = processes(jobs)
     with open_input(Path(certificate), "certificate", _LARGEST) as stream:
         try:
             content = json.loads(stream.read())
@@ -149,33 +155,29 @@ def verify(
     several = content.get("curves") if content.get("kind") == CURVES else [content]
     if not isinstance(several, list) or not all(isinstance(each, Mapping) for each in several):
         raise InputError("certificate.curves", None, "must be a list of certificates")
-    checked = [each for one in several for each in certificates.verify(one, seed)]
-    agree = sum(each.agrees for each in checked)
+    verified = [certificates.verify(one, seed, count) for one in several]
+    checked = [each for one in verified for each in one.runs]
+    differs = list(dict.fromkeys(place for one in verified for place in one.differs))
     columns = {
         "sample": "sample",
+        "mesh": "mesh",
         "ln ratio stated": lambda row: _ratio(row.stated),
         "run again": lambda row: _ratio(row.again),
         "agrees": lambda row: "yes" if row.agrees else "no",
     }
-    holds = agree == len(checked)
-    meaning = "the certificate holds" if holds else "the certificate does not hold"
-    text = f"{agree} of {len(checked)} references agree within 0.05 % of the velocity: {meaning}."
-    rows = [
-        {
-            "sample": each.sample,
-            "stated": each.stated,
-            "again": each.again if isfinite(each.again) else None,
-            "agrees": each.agrees,
-        }
-        for each in checked
-    ]
+    holds = all(one.holds for one in verified)
+    agree = sum(each.agrees for each in checked)
+    rest = f"{', '.join(differs)} do not follow" if differs else "all else follows"
+    text = f"{agree} of {len(checked)} runs agree within 0.05 %; {rest} from the inputs and seeds: "
+    text += "the certificate holds." if holds else "the certificate does not hold."
+    rows = [each._asdict() for each in checked]
     blocks = (Paragraph(text), Table.of("verified", "", columns, checked))
-    return Answer({"holds": holds, "references": rows}, blocks, int(not holds))
+    content = {"holds": holds, "references": rows, "differs": differs}
+    return Answer(content, blocks, int(not holds))
 
 
 def _ratio(value: float | None) -> Cell | str:
-    known = value is not None and isfinite(value)
-    return Cell(f"{value:+.5f}", value) if known else "no answer"
+    return "no answer" if value is None else Cell(f"{value:+.5f}", value)
 
 
 def _say(head: str, text: str) -> None:
@@ -198,7 +200,7 @@ def _second(text: str | None) -> tuple[str, list[str]]:
 
 def _range(text: str) -> tuple[float, float]:
     """Ends of ``striker.velocity=LOW:HIGH`` in m/s."""
-    from workbench.fields import Number
+    from workbench.uncertainty.critical_velocity import VELOCITIES
     from workbench.units import in_si
 
     key, _, values = text.partition("=")
@@ -215,7 +217,7 @@ def _range(text: str) -> tuple[float, float]:
         text_ = f"must look like {VELOCITY}=5:30"
         raise InputError("--over", text, text_, "ends in m/s, or such as 20 km/h:100 km/h")
     for end in (first, last):
-        Number(0.01, 500.0).check("--over", end)
+        VELOCITIES.check("--over", end)
     if not first < last:
         raise InputError("--over", text, "must rise from the first to the last velocity")
     return first, last

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
 from shutil import rmtree
 from tempfile import mkdtemp
@@ -70,7 +71,7 @@ def sample(
     """
     from workbench.fields import Number
     from workbench.registry import make_model
-    from workbench.study.store import own_directory
+    from workbench.study.store import locked, own_directory
     from workbench.uncertainty.chunks import Question, Span, answer_chunks
 
     kept = out is not None and Path(out).suffix == _CHUNKS
@@ -93,11 +94,12 @@ def sample(
         folder = Path(mkdtemp())
     else:
         folder = own_directory(target.parent, target.name if kept else f".{target.name}{_CHUNKS}")
-    with at_work(f"{name}, samples {mine[0].first} to {mine[-1].last - 1}, at work"):
+    alone = nullcontext() if kept else locked(folder / ".lock")  # the folder of a table goes
+    with alone, at_work(f"{name}, samples {mine[0].first} to {mine[-1].last - 1}, at work"):
         chunks = answer_chunks(question, folder, mine, whole, workers, scheduler)
-    answer = _tabled(chunks, target)
-    if not kept:
-        rmtree(folder)
+        answer = _tabled(chunks, target)
+        if not kept:
+            rmtree(folder)
     return answer
 
 

@@ -10,17 +10,36 @@ from __future__ import annotations
 import json
 import sys
 import tomllib
-from contextlib import suppress
-from http.server import BaseHTTPRequestHandler, HTTPServer
+from contextlib import nullcontext, suppress
+from http import HTTPStatus
+from ipaddress import ip_address
+from logging import CRITICAL, getLogger
 from math import isfinite
+from socket import gethostname
+from threading import Lock
+from time import time
 from typing import Any
+from urllib.parse import urlsplit
+
+from waitress.adjustments import Adjustments
+from waitress.channel import HTTPChannel
+from waitress.parser import HTTPRequestParser
+from waitress.server import TcpWSGIServer
 
 from workbench.cli.output import Answer, Options, ScenarioFile, Settings, option, pairs_of, verb
 from workbench.content.tree import Paragraph
 from workbench.errors import InputError, message_of
 
-LARGEST = 1_000_000  # bytes of a request
-PATIENCE = 10.0  # s that a client may be silent in a request
+PATIENCE = 10.0  # s that a client may take for a request, or be silent before one
+_LIMITS = {  # bytes of a request and of its head; connections; s
+    "max_request_body_size": 1_000_000,
+    "max_request_header_size": 4096,  # numbers in it then have no more digits than Python reads
+    "connection_limit": 500,
+    "channel_timeout": int(PATIENCE),
+    "cleanup_interval": 1,
+    "threads": 16,
+}
+_LOCAL, _EVERYWHERE = ("localhost", "127.0.0.1", "::1"), ("", "0.0.0.0", "::")
 _FEATURES = ("Evaluate", "Gradient", "ApplyJacobian", "ApplyHessian")
 
 
@@ -116,55 +135,94 @@ class Service:
         return {"output": [self.evaluate(list(map(float, numbers)))]}
 
 
-class Server(HTTPServer):
-    """Answers one request after the other. Raises `OSError` where it cannot listen."""
+class _Request(HTTPRequestParser):  # type: ignore[misc]
+    """A request that knows since when it is read."""
 
-    count = 0  # of evaluations
+    def __init__(self, adj: Adjustments) -> None:
+        super().__init__(adj)
+        self.begun = time()
+
+
+class _Channel(HTTPChannel):  # type: ignore[misc]
+    """A connection to a client."""
+
+    parser_class = _Request
+
+
+class Server(TcpWSGIServer):  # type: ignore[misc]
+    """Reads requests side by side and evaluates one after the other.
+
+    Raises `OSError` or `ValueError` where it cannot listen.
+    """
+
+    channel_class = _Channel
 
     def __init__(self, service: Service, host: str, port: int) -> None:
-        super().__init__((host, port), Handler)
-        self.service = service
-
-    def handle_error(self, request: Any, client_address: Any) -> None:
-        """Say in one line that a client has gone."""
-        print(f"workbench: a request was lost: {sys.exc_info()[1]}", file=sys.stderr)
-
-
-class Handler(BaseHTTPRequestHandler):
-    """One request."""
-
-    server: Server
-    timeout = PATIENCE
-
-    def do_GET(self) -> None:
-        """Answer /Info."""
-        self._send(None)
-
-    def do_POST(self) -> None:
-        """Answer all else."""
-        length = self.headers.get("Content-Length", "")
-        size = int(length) if length.isdecimal() else LARGEST + 1
-        self._send(self.rfile.read(size) if size <= LARGEST else b"")
-
-    def _send(self, body: bytes | None) -> None:
+        self.service, self.host, self.count, self._turn = service, host, 0, Lock()
+        getLogger("waitress").setLevel(CRITICAL)  # what a client does wrong is told to the client
+        adjustments = Adjustments(host=host, port=port, **_LIMITS)
         try:
-            content, status = self.server.service.reply(self.path, body), 200
+            super().__init__(self.answer, adj=adjustments)
+        except OSError:
+            self.close()
+            raise
+
+    def run(self) -> None:
+        """Serve until Ctrl-C."""
+        with suppress(KeyboardInterrupt):
+            self.asyncore.loop(timeout=1.0, map=self._map, use_poll=True)
+
+    def close(self) -> None:
+        """Close all; what is still at work is left."""
+        self.task_dispatcher.shutdown(timeout=0.5)
+        super().close()
+
+    def maintenance(self, now: float) -> None:
+        """Close what is silent, or has been sending one request for too long."""
+        super().maintenance(now)
+        for channel in self.active_channels.values():
+            if channel.request is not None and now - channel.request.begun > PATIENCE:
+                channel.will_close = True
+
+    def answer(self, environ: dict[str, Any], start_response: Any) -> list[bytes]:
+        """Answer a request (WSGI)."""
+        path, status = environ["PATH_INFO"], 200
+        body = environ["wsgi.input"].read() if environ["REQUEST_METHOD"] == "POST" else None
+        try:
+            self._check_names(environ)
+            with self._turn if path == "/Evaluate" else nullcontext():
+                self.count += path == "/Evaluate"
+                content = self.service.reply(path, body)
         except FaultError as fault:
             content = {"error": {"type": fault.kind, "message": str(fault)}}
             status = fault.status
         except Exception as error:  # whatever goes wrong here is for the client to know
             content = {"error": {"type": "InternalServerError", "message": message_of(error)}}
             status = 500
-        self.server.count += self.path == "/Evaluate"
         encoded = json.dumps(content).encode()
-        self.send_response(status)
-        self.send_header("Content-Type", "application/json")
-        self.send_header("Content-Length", str(len(encoded)))
-        self.end_headers()
-        self.wfile.write(encoded)
+        headers = [("Content-Type", "application/json"), ("Content-Length", str(len(encoded)))]
+        start_response(f"{status} {HTTPStatus(status).phrase}", headers)
+        return [encoded]
 
-    def log_message(self, format: str, *arguments: Any) -> None:
-        """Say nothing."""
+    def _check_names(self, environ: dict[str, Any]) -> None:
+        """Refuse pages of other places: they may have names that lead here (DNS rebinding)."""
+        for header, of in (("HTTP_HOST", "//"), ("HTTP_ORIGIN", "")):
+            text = environ.get(header)
+            if text is None:
+                continue
+            try:
+                name = urlsplit(of + text).hostname or ""
+            except ValueError:
+                name = ""
+            if name not in (*_LOCAL, self.host, gethostname()) and not self._is_address(name):
+                text = f"{header[5:].capitalize()} {text[:100]} is not this server"
+                raise FaultError("Forbidden", text, 403)
+
+    def _is_address(self, name: str) -> bool:
+        """Whether a name is a number, where all addresses of this machine are listened at."""
+        with suppress(ValueError):
+            return self.host in _EVERYWHERE and bool(ip_address(name))
+        return False
 
 
 @verb
@@ -196,12 +254,12 @@ def serve(
     service = Service(chosen, base, over, quantity)
     try:
         server = Server(service, host, port)
-    except OSError as error:
-        text = f"cannot be listened at: {error.strerror or message_of(error)}"
+    except (OSError, ValueError) as error:
+        text = f"cannot be listened at: {getattr(error, 'strerror', '') or message_of(error)}"
         raise InputError("--port", f"{host}:{port}", text, "take another one") from error
-    address = f"http://{host}:{server.server_port}"
+    address = f"http://{host}:{server.effective_port}"
     print(f"workbench: {name} is served at {address} until Ctrl-C", file=sys.stderr, flush=True)
-    with server, suppress(KeyboardInterrupt):
-        server.serve_forever()
+    server.run()
+    server.close()
     text = f"{server.count} evaluations of {name}."
     return Answer({"model": name, "evaluations": server.count}, [Paragraph(text)])

@@ -100,6 +100,7 @@ def _cases(file: str) -> pd.DataFrame:
     import pandas as pd
 
     from workbench.datafiles import open_input
+    from workbench.study.tables import from_spreadsheets
 
     with open_input(Path(file), "--cases") as stream:
         try:
@@ -109,7 +110,7 @@ def _cases(file: str) -> pd.DataFrame:
             raise InputError("--cases", file, text, str(error).strip()) from error
     if table.empty:
         raise InputError("--cases", file, "must hold one row or more")
-    return table
+    return from_spreadsheets(table)
 
 
 def _values(text: str) -> tuple[str, list[Any]]:

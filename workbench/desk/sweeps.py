@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
+from itertools import permutations
 from pathlib import Path
 from typing import Any
 
@@ -135,6 +136,9 @@ def sweep(
         place_of(tables, key, f"{key}={each[0]}"): _column(each)[at]
         for (key, each), at in zip(values.items(), places, strict=True)
     }
+    for (a, path), (b, other) in permutations(zip(values, columns, strict=False), 2):
+        if other[: len(path)] == path:
+            raise InputError(b, None, f"stands within {a}, which is varied too", "vary one of them")
     varied = Varied(tables, columns)
     answers = [answers_of(model, varied, given, jobs) for model in chosen]
     rows: pd.DataFrame = pd.concat(answers, ignore_index=True)

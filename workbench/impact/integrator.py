@@ -239,6 +239,9 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
         while progress.time < end_time:
             if n + 2 > records.size:
                 return GOING, n
+            progress.steps += 1  # a collision at an instant, which takes no time, is one as well
+            if progress.steps > pace.most:
+                return TOO_MANY, n
             (place, speed), mass = hit(s), progress.mass
             struck_mass = 0.0 if crushes else mass_of(s)  # what crushes meets nothing at an instant
             gap, gamma = np.inf, 0.0
@@ -272,9 +275,6 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
             if instant and gap > slack and gamma < 0.0:
                 dt = min(dt, -gap / gamma)
             may = gap <= slack if instant else may_touch(gap, gamma, dt, slack)
-            progress.steps += 1
-            if progress.steps > pace.most:
-                return TOO_MANY, n
             done, impulse, end, left = step(s, progress, dt, may)
             if not done:
                 progress.cuts += 1

@@ -23,6 +23,7 @@ from workbench.intake.mapping import Mapping, check_stated, read_mapping
 from workbench.studs.reading import read_text
 from workbench.studs.schema import Table
 from workbench.study.store import locked, write_atomically
+from workbench.study.tables import for_spreadsheets
 
 _NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,59}")
 _MARK = "SYNTHETIC"
@@ -85,7 +86,7 @@ def add_table(
     if entry.role == SYNTHETIC:  # every output shows the name of the campaign
         campaigns = rows["campaign"].str.removeprefix(_MARK).str.strip()
         rows = rows.assign(campaign=_MARK + " " + campaigns)
-    shown = rows[_filled(rows)]
+    shown = for_spreadsheets(rows[_filled(rows)])
     content = shown.to_csv(index=False, float_format="%.12g", lineterminator="\n").encode()
     judge = partial(_judged, entry, rows, content, path.name, despite_doubts)
     already, doubts = judge()  # refused before a folder is made

@@ -21,6 +21,7 @@ from workbench.report.figures import draw
 from workbench.report.stored import Stored
 from workbench.study.definition import Case, Figure, Study
 from workbench.study.store import write_atomically
+from workbench.study.tables import for_spreadsheets
 
 # Figures that every report has; a study that names one of the kind draws its own instead.
 _STANDARD = {
@@ -107,7 +108,7 @@ def save(canvas: Canvas, path: Path) -> None:
 
 def to_csv(data: pd.DataFrame) -> str:
     """The numbers of a figure as CSV text with 9 significant digits."""
-    return data.to_csv(index=False, float_format="%.9g", lineterminator="\n")
+    return for_spreadsheets(data).to_csv(index=False, float_format="%.9g", lineterminator="\n")
 
 
 def cases_of(study: Study, figure: Figure) -> tuple[Case, ...]:

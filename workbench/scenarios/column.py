@@ -22,8 +22,8 @@ from workbench.scenarios.parts import (
 )
 from workbench.sections import SECTION, Section
 
-MASS = Number(0.0, 1e7, "kg", low_included=False)
-VELOCITY = Number(0.0, 300.0, "m/s", low_included=False, advice="velocities are in m/s, not km/h")
+MASS = Number(1e-3, 1e7, "kg")
+VELOCITY = Number(1e-3, 300.0, "m/s", advice="velocities are in m/s, not km/h")
 RESTITUTION = Number(0.0, 1.0)
 DURATION = Number(1e-9, 10.0, "s", advice="durations are in seconds")
 MOST_POINTS = 50  # of a crush law
@@ -176,8 +176,11 @@ class Striker(Declared, table="striker"):
                 text = f"strokes must rise, after {stroke:g} m comes {next_stroke:g} m"
                 raise self.refusal("crush", text, "sort the points, each stroke once")
             slopes.append((next_force - force) / (next_stroke - stroke))
-        if not 0.0 < max(slopes) <= STIFFNESS.high:
-            text = f"must rise somewhere, nowhere by more than {STIFFNESS.high:g} N/m"
+        if not STIFFNESS.holds(max(slopes)):
+            least, most = STIFFNESS.low, STIFFNESS.high
+            text = (
+                f"must rise somewhere by {least:g} N/m or more, nowhere by more than {most:g} N/m"
+            )
             raise self.refusal("crush", text, "forces are in N, strokes in m")
 
     @property
@@ -250,9 +253,7 @@ class ColumnPushover(Declared, table="pushover"):
 
     name: str = checked(Text(), path="name")
     column: Column = checked(Instance(Column))
-    displacement: float = checked(
-        Number(0.0, 50.0, "m", low_included=False, advice="lengths are in metres"), 0.1
-    )
+    displacement: float = checked(Number(1e-6, 50.0, "m", advice="lengths are in metres"), 0.1)
 
     KIND: ClassVar[str] = "column-pushover"
     STATIC: ClassVar[bool] = True

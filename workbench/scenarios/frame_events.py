@@ -31,6 +31,7 @@ TARGETS = Many(Number(-1e9, 1e9), 1, 10_000, single=True)
 ACCELERATIONS = Many(
     Number(-1e3, 1e3, "m/s2", advice="accelerations are in m/s2: 0.3 g is 2.94"), 2, 200_000
 )
+LEAST_ACCELERATION = 1e-6  # m/s2, of the ground at its peak
 FRAME = Instance(Frame, form=FrameForm)
 RECORD = replace(DURATION, high=1e3)
 HEADS = {"guided": "guide-y", "pinned": "roller-y", "fixed": "guide-y"}
@@ -180,8 +181,9 @@ class FrameGroundMotion(Declared, table="ground"):
     def check(self) -> None:
         """Refuse a ground at rest and displacements that are held; take the duration."""
         _weigh(self)
-        if not any(self.acceleration):
-            raise InputError("ground.acceleration", None, "must not be zero throughout")
+        if max(map(abs, self.acceleration)) < LEAST_ACCELERATION:
+            text = f"must reach {LEAST_ACCELERATION:g} m/s2 somewhere"
+            raise InputError("ground.acceleration", None, text)
         _check_motion(self.frame, self)
         if self.duration is None:
             end = (len(self.acceleration) - 1) * self.time_step

@@ -14,6 +14,7 @@ from workbench.scenarios.column import DURATION, SENSE, WEIGHS, Column, Weighed
 TABLE, POINT, UNIFORM = "table", "point", "uniform"
 PULSES = ("rectangular", "triangular", "exponential", "friedlander", "ramp", TABLE)
 LENGTH = Number(1e-9, 1e3, "s", advice="lengths of pulses are in seconds")
+PEAK = Number(1e-6, 1e12, "N or N/m")
 _TIMES = Many(Number(0.0, 1e3, "s"), 2, 100_000)
 _FACTORS = Many(Number(-1e6, 1e6), 2, 100_000)
 
@@ -46,7 +47,7 @@ class Pulse(Declared, table="pulse"):
     """
 
     shape: str = checked(Choice(PULSES))
-    peak: float = checked(Number(0.0, 1e12, "N or N/m", low_included=False), help="N/m on members")
+    peak: float = checked(PEAK, help="N/m on members")
     length: float | None = checked(LENGTH, optional=True)
     decay: float = checked(Number(0.01, 100.0), 1.0, help="of the friedlander pulse")
     times: tuple[float, ...] | None = checked(_TIMES, optional=True, help="of a table, from 0")
@@ -69,8 +70,8 @@ class Pulse(Declared, table="pulse"):
             raise self.refusal("factors", text, f"{len(self.factors)} are given")
         if self.times[0] != 0.0 or not np.all(np.diff(self.times) > 0.0):
             raise self.refusal("times", "must rise from 0", "times are those since the start, in s")
-        if not any(self.factors):
-            raise self.refusal("factors", "must not be 0 throughout")
+        if self.peak * max(map(abs, self.factors)) < PEAK.low:
+            raise self.refusal("factors", f"must make {PEAK.low:g} {PEAK.unit} somewhere")
 
     @property
     def end(self) -> float:

@@ -54,12 +54,10 @@ def velocity_after(
     s = d / sin(angle) by a `deceleration` (m/s^2): v_r = (v_0^2 - 2 a s)^1/2. Raises `InputError`
     for a distance that it does not reach, d_b = v_0^2 sin(angle) / (2 a).
     """
-    velocity = Number(0.0, 200.0, "m/s", low_included=False).check("velocity", velocity)
+    velocity = Number(1e-3, 200.0, "m/s").check("velocity", velocity)
     distance = Number(0.0, 1e4, "m").check("distance", distance)
-    deceleration = Number(0.0, 20.0, "m/s^2", low_included=False).check(
-        "deceleration", deceleration
-    )
-    angle = Number(0.0, 90.0, "degrees", low_included=False).check("angle", angle)
+    deceleration = Number(1e-3, 20.0, "m/s^2").check("deceleration", deceleration)
+    angle = Number(0.1, 90.0, "degrees").check("angle", angle)
     reached = velocity**2 * sin(radians(angle)) / (2.0 * deceleration)
     if distance >= reached:
         text = f"must be below {reached:.4g} m, where the vehicle has come to rest"

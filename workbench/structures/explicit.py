@@ -24,7 +24,7 @@ from workbench.impact.crushing import force_at
 from workbench.impact.records import law_of
 from workbench.structures.elements import StepEnergies
 from workbench.structures.equilibrium import Structure
-from workbench.structures.time_steps import PointMass, TimeStep
+from workbench.structures.time_steps import PointMass, TimeStep, check_count
 
 SAFETY = 0.9  # of the stability limit: yielding softens, but tension and contact stiffen
 LARGEST_ERROR = 0.02  # of the energy brought in; beyond it the step is taken to be unstable
@@ -88,7 +88,9 @@ def explicit_impact(
     if law["points"]:  # its spring adds at most so much to the square of the highest frequency
         square = law["unloading"] * (1.0 / node_mass + 1.0 / striker.mass)
         stable = 1.0 / sqrt(1.0 / stable**2 + 0.25 * square)
-    count = ceil(duration / min(step, SAFETY * stable))
+    shortest = min(step, SAFETY * stable)
+    check_count(duration / shortest)
+    count = ceil(duration / shortest)
     dt = duration / count
     assembly.begin_step(dt)
 

@@ -28,6 +28,7 @@ from workbench.structures.equilibrium import Solution, newton, pieces
 
 TOLERANCE = 1e-8  # of the residual over the largest force
 MOST_CUTS = 12  # how often a step may be halved when Newton's method fails
+MOST_STEPS = 2_000_000  # of a record: more take a day
 ITERATIONS = 25
 AXES = {"x": "u", "y": "v"}
 Spans = Sequence[tuple[float, float]]  # end times and nominal steps of parts of a record, in s
@@ -185,6 +186,13 @@ def commit(
     return TimeStep(dt, energies, work, assembly.kinetic_energy())
 
 
+def check_count(steps: float, time: float = 0.0, residual: float = 0.0) -> None:
+    """Raise `SolverError` where a record takes too many steps; the last one as it was left."""
+    if not steps <= MOST_STEPS:
+        tried = f"{MOST_STEPS} of {steps:.3g} steps; take a shorter duration or a longer time_step"
+        raise SolverError(f"time {time:.6g} s", residual, tried)
+
+
 def march(
     spans: Spans,
     advance: Callable[[float, float], tuple[TimeStep | None, int, float]],
@@ -197,15 +205,18 @@ def march(
     else `advance` tries, for errors.
     Yields the steps with their end `time`, `evaluations` and `cuts`. Raises `SolverError`.
     """
-    evaluations = 0
+    evaluations = steps = 0
+    ends = [0.0, *(end for end, _ in spans)]
+    check_count(sum((b - a) / step for a, (b, step) in zip(ends, spans, strict=False)))
 
     def attempt(
         begin: float, step: float, number: int, done: float, share: float
     ) -> TimeStep | SolverError:
-        nonlocal evaluations
+        nonlocal evaluations, steps
         start, length = begin + (number + done) * step, share * step
         taken, spent, residual = advance(start, length)
-        evaluations += spent
+        evaluations, steps = evaluations + spent, steps + 1
+        check_count(steps, start, residual)
         if taken is None:
             tried = f"{remedies}, steps down to {length:.3g} s"
             return SolverError(f"time {start:.6g} s", residual, tried)

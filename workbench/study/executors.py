@@ -97,7 +97,7 @@ class _Worker:
         context = multiprocessing.get_context("spawn")
         self.pipe, end = context.Pipe()
         self.process = context.Process(target=serve, args=(end,), daemon=True)
-        with _one_thread_environment(), _deaf_to_interrupts():
+        with _one_thread_environment(), deaf_to_interrupts():
             self.process.start()
         end.close()
 
@@ -164,7 +164,7 @@ def serve(pipe: Connection) -> None:
     """The main loop of a worker process: say ready, then answer tasks until the pipe closes."""
     # Ctrl-C reaches the whole process group; the parent decides what happens then.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    end_with_parent()
     warm: set[str] = set()
     pipe.send(READY)
     while True:
@@ -179,11 +179,16 @@ def serve(pipe: Connection) -> None:
         pipe.send(answer)
 
 
-def _end_with_parent() -> None:
+def end_with_parent() -> None:
+    """Have this worker process end as soon as its parent has ended, in any way."""
     parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
+
+    def wait_for_it() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=wait_for_it, daemon=True).start()
 
 
 def _wait_for(crew: list[_Worker]) -> None:
@@ -198,7 +203,7 @@ def _wait_for(crew: list[_Worker]) -> None:
 
 
 @contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
+def deaf_to_interrupts() -> Iterator[None]:
     """A child inherits what is blocked: Ctrl-C while it imports is then for its parent alone."""
     if not hasattr(signal, "pthread_sigmask"):  # not a POSIX system
         yield

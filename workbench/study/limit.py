@@ -18,6 +18,7 @@ from workbench.responses import Outcome, Response, collapse_of, outcome_of, surv
 from workbench.responses.histories import NO_PEAK, largest_of
 from workbench.scenarios import Scenario
 from workbench.scenarios.column import DURATION
+from workbench.scenarios.pulse import PEAK
 
 PARTS = 8  # of the range, until a collapse is found
 SMALL = 1e-3  # of the range; values below it do not make the bracket narrower
@@ -172,6 +173,7 @@ def _trial(value: float, scenario: Any, response: Response) -> Trial:
 
 _GROWTH = 4.0  # of the peak, until it is between two values
 _MOST = 16  # such steps
+UNREACHED = "no peak between the largest and the least that were tried reaches it"
 _TOLERANCE = 0.003  # of the peak
 
 
@@ -216,6 +218,8 @@ def _peak(model: Model, scenario: Any, displacement: float) -> float | str:
     """Peak of the pulse that reaches the displacement, or why there is none."""
 
     def reaches(peak: float) -> bool | str:
+        if not PEAK.holds(peak):
+            return UNREACHED
         response = model.simulate(replace(scenario, pulse=replace(scenario.pulse, peak=peak)))
         outcome = outcome_of(response)
         if not outcome.is_answer:
@@ -234,7 +238,7 @@ def _peak(model: Model, scenario: Any, displacement: float) -> float | str:
         low, high = (low, high * _GROWTH) if not first else (low / _GROWTH, high)
         reached = reaches(high if not first else low)
     else:
-        return "no peak between the largest and the least that were tried reaches it"
+        return UNREACHED
     low = high / _GROWTH if not first else low
     high = high if not first else low * _GROWTH
     while high > low * (1.0 + _TOLERANCE):

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from traceback import extract_tb
 
+from workbench.datafiles import data_directory
 from workbench.errors import InputError, message_of
 from workbench.fields import did_you_mean
 from workbench.study.definition import Study
@@ -21,10 +22,9 @@ class LoadedStudy:
 
 
 def study_files() -> dict[str, Path]:
-    """Study files by name: those in ``studies/`` here, then those of the source tree."""
+    """Study files by name: those in ``studies/`` here, then those that come with the workbench."""
     files: dict[str, Path] = {}
-    source_tree = Path(__file__).resolve().parents[2]
-    for directory in (Path("studies"), source_tree / "studies"):
+    for directory in (Path("studies"), data_directory("studies")):
         for path in sorted(directory.glob("*.py")):
             if not path.stem.startswith("_"):
                 files.setdefault(path.stem, path)

@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
@@ -19,6 +20,7 @@ Row = Mapping[str, Any]
 Columns = dict[str, Any]  # by name, what stands where a row has none: its type is the column's
 Tables = Mapping[str, pd.DataFrame]
 
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # with which texts begin that are run
 _TYPES = {str: "str", float: "float64", int: "int64", NoneType: "object"}
 
 
@@ -61,7 +63,7 @@ def rows_of(table: pd.DataFrame) -> list[dict[str, Any]]:
 
 def csv_bytes(table: pd.DataFrame) -> bytes:
     """A table as CSV: numbers keep all digits, unknown ones are empty, lists JSON."""
-    return _plain_lists(table).to_csv(index=False, lineterminator="\n").encode()
+    return for_spreadsheets(_plain_lists(table)).to_csv(index=False, lineterminator="\n").encode()
 
 
 def table_bytes(table: pd.DataFrame, ending: str) -> bytes:
@@ -80,8 +82,29 @@ def workbook_bytes(tables: Tables) -> bytes:
     buffer = io.BytesIO()
     with pd.ExcelWriter(buffer, engine="openpyxl") as book:
         for name, table in tables.items():
-            _plain_lists(table).to_excel(book, sheet_name=name[:31], index=False)
+            for_spreadsheets(_plain_lists(table)).to_excel(book, sheet_name=name[:31], index=False)
     return buffer.getvalue()
+
+
+def for_spreadsheets(table: pd.DataFrame) -> pd.DataFrame:
+    """The table with an apostrophe before texts and names that spreadsheets take for formulas."""
+    listed = table.select_dtypes(exclude="number")
+    texts = [name for name, column in listed.items() if any(map(_is_formula, column))]
+    plain = {str(name): table[name].map(_no_formula) for name in texts}
+    return table.assign(**plain).rename(columns=_no_formula)
+
+
+def _is_formula(cell: Any) -> bool:
+    return isinstance(cell, str) and cell.startswith(FORMULA)
+
+
+def _no_formula(cell: Any) -> Any:
+    return f"'{cell}" if _is_formula(cell) else cell
+
+
+def from_spreadsheets(table: pd.DataFrame) -> pd.DataFrame:
+    """The table without the apostrophes of `for_spreadsheets`."""
+    return table.replace(rf"^'(?=[{re.escape(''.join(FORMULA))}])", "", regex=True)
 
 
 def _plain_lists(table: pd.DataFrame) -> pd.DataFrame:

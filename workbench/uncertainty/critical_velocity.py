@@ -32,6 +32,7 @@ BEYOND = 3.0  # the range of velocities is searched so many times wider on both 
 ASIDE = 0.03  # ln velocity, of the two runs that give a slope
 FAR = 0.05  # ln velocity; a correction above it is followed by a second run
 LEAST_LIMIT, MOST_LIMIT = 1e-6, 100.0  # m
+VELOCITIES = Number(0.01, 500.0, "m/s")  # ends of a range
 
 
 class Limit(NamedTuple):

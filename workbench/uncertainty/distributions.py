@@ -21,6 +21,8 @@ from workbench.errors import InputError
 
 _EULER = 0.5772156649015329
 _SHAPES = (0.2, 200.0)  # of a Weibull distribution: cov 16 to 0.006
+_LARGEST = 1e30  # number of a law
+_VARIATIONS = (1e-6, 10.0)  # coefficients of variation
 _NEAREST = 1e-15  # probabilities stay this far from 0 and 1
 
 
@@ -133,6 +135,8 @@ _ENDS = (("low", -inf), ("high", inf))
 def _number(path: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or value != value:
         raise InputError(path, value, "must be a number in SI units")
+    if _LARGEST < abs(value) < inf:
+        raise InputError(path, value, f"must lie within {_LARGEST:g} of 0")
     return float(value)
 
 
@@ -144,8 +148,12 @@ def _frozen(path: str, law: str, given: Any) -> Any:
             raise InputError(key, given, "needs a finite mean and a standard deviation above 0")
         if law in POSITIVE and mean <= 0.0:
             raise InputError(key, given, "needs a mean above 0")
-        if law == "weibull" and not 0.006 < sd / mean < 15.0:
-            raise InputError(key, given, "needs a coefficient of variation from 0.006 to 15")
+        least, most = (0.006, 15.0) if law == "weibull" else _VARIATIONS
+        is_share = law in POSITIVE or (isinstance(given, Mapping) and "cov" in given)
+        wide = is_share and sd > most * abs(mean)
+        if wide or sd < max(least * abs(mean), 1.0 / _LARGEST):
+            text = f"needs a coefficient of variation from {least:g} to {most:g}"
+            raise InputError(key, given, text, "write a number where nothing varies")
         return MOMENT_LAWS[law](mean, sd)
     count, names = (2, "low and high") if law == "uniform" else (3, "low, mode and high")
     if not isinstance(given, list) or len(given) != count:

@@ -6,14 +6,14 @@ is an interval that all its runs share: it is added to the band and not averaged
 See docs/theory/fragility.md.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
-from math import isfinite, log
+from math import isfinite, log, nan
 from time import perf_counter
+from typing import Self
 
 import numpy as np
-from scipy.stats import t as student
 
 from workbench.arrays import Array, Indices
 from workbench.errors import InputError, WorkbenchError
@@ -24,19 +24,20 @@ from workbench.uncertainty.critical_velocity import (
     CLOSE,
     NO_ANSWER,
     STRIDE,
+    Limit,
     Ratio,
     Root,
     grows,
     slopes_at,
 )
 from workbench.uncertainty.fragility_curve import (
-    LEVEL,
     Curve,
     Population,
     fragility_curve,
     place_references,
 )
 from workbench.uncertainty.sample_runs import (
+    Finer,
     Processes,
     Run,
     Sampled,
@@ -51,7 +52,51 @@ LOOKS = (12, 18, 27, 40, 60)  # references; the last look ends it
 MESH_SAMPLES = 4  # run on finer meshes than the other references
 CHECKED = 100  # samples whose peak must grow with the velocity
 FINEST_MESH = 2  # refinements more than those
+MOST_REFERENCES = 2000
 LARGEST_SHARE = 0.2  # of references that fail, or of samples without an answer
+
+
+@dataclass(frozen=True)
+class Samples:
+    """All samples by the reduced model, and where references stand among them.
+
+    `roots` and `population`; `kinds`, how many of each kind; `sampled`, to ask them again; `places`
+    of as many references as there may be; `turning`, see `Fragility`.
+    """
+
+    roots: Sequence[Root]
+    population: Population
+    kinds: dict[str, int]
+    sampled: Sampled
+    places: Indices
+    turning: int
+
+    @classmethod
+    def of(cls, setup: Setup, run: Run) -> "Samples":
+        """Those of a setup. Raises as `survey`."""
+        roots, population, kinds = survey(setup, run)
+        sampled = Sampled.of(setup, population.inputs, run)
+        offset = float(np.random.default_rng((setup.seed, SCRAMBLES)).random())
+        most = setup.references or LOOKS[-1]
+        places = place_references(population, most, offset)
+        checked = place_references(population, CHECKED, offset)
+        y = population.log_velocity[checked]
+        turning = int((~grows(sampled.peaks_at, checked, y, setup.limit)).sum())
+        return cls(roots, population, kinds, sampled, places, turning)
+
+    def task_of(self, number: int, ratio: Ratio) -> tuple[Array, float, Ratio]:
+        """Scores, ln critical velocity and ratio of a reference, as `on_finer_mesh` takes them."""
+        place = self.places[number]
+        scores = self.population.inputs[place : place + 1]
+        return scores, float(self.population.log_velocity[place]), ratio
+
+    def tasks(self, limit: Limit, numbers: Sequence[int]) -> list[tuple[Array, float, float]]:
+        """Scores, ln critical velocity and slope at some of the references, as `ratio_at` takes."""
+        places = self.places[list(numbers)]
+        y = self.population.log_velocity[places]
+        slopes = slopes_at(self.sampled.peaks_at, places, y, limit)
+        scores = self.population.inputs[places][:, None]
+        return list(zip(scores, y.tolist(), slopes.tolist(), strict=True))
 
 
 @dataclass(frozen=True)
@@ -59,27 +104,55 @@ class Fragility:
     """The curve, what it rests on, and what each part of its band costs.
 
     `curve` with the numerical part, `curve_without` it, `reduced_curve` (points,) of the reduced
-    model at the same velocities; `numerical`, half-width in ln velocity that all references share,
-    None where it is not known; `shift`, ln velocity, from their mesh to a finer one; `population`,
-    the samples; `places` (samples) and `ratios` of the references; `kinds`, how
-    many samples of each kind; `seconds` by part; `turning`, of `CHECKED` samples those whose peak
-    falls below the limit again 5 % above the critical velocity.
+    model at the same velocities; `population`, the samples; `places` (samples) and `ratios` of the
+    references, and some of them on a `finer` mesh; `kinds`, how many samples of each kind; `runs`
+    and `seconds` by part; `looked`, whether the band decided how many references; `turning`, of
+    `CHECKED` samples those whose peak falls below the limit again 5 % above the critical velocity.
     """
 
     setup: Setup
     curve: Curve
     curve_without: Curve
     reduced_curve: Array
-    numerical: float | None
-    shift: float
+    finer: Finer
     population: Population
     places: Sequence[int]
     ratios: Sequence[Ratio]
     kinds: dict[str, int]
     runs: dict[str, int]
-    seconds: dict[str, float]
-    looked: bool
     turning: int
+    seconds: Mapping[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, setup: Setup, samples: Samples, ratios: Sequence[Ratio], finer: Finer) -> Self:
+        """What samples and references give. Raises `WorkbenchError` if too many of them failed."""
+        population = samples.population
+        numerical, shift = finer.error
+        without = _curve(setup, population, samples.places, ratios, shift)
+        curve = without if numerical is None else without.widened(numerical)
+        ordered = np.sort(population.log_velocity[np.isfinite(population.log_velocity)])
+        counts = np.searchsorted(ordered, curve.log_velocity, side="right")
+        runs = {
+            "samples": sum(root.runs for root in samples.roots),
+            "references": sum(ratio.runs for ratio in ratios),
+            "meshes": finer.refined * len(finer.runs),
+        }
+        used = [int(place) for place in samples.places[: len(ratios)]]
+        reduced = counts / len(population.log_velocity)
+        return cls(
+            *(setup, curve, without, reduced, finer, population, used, ratios),
+            *(samples.kinds, runs, samples.turning),
+        )
+
+    @property
+    def looked(self) -> bool:
+        """Whether looks at the band decided how many references there are."""
+        return self.setup.references is None
+
+    @property
+    def numerical(self) -> float | None:
+        """Half-width in ln velocity that all references share; None where it is not known."""
+        return self.finer.error[0]
 
     @property
     def velocities(self) -> list[float]:
@@ -116,72 +189,39 @@ def fragility(setup: Setup, say: Callable[[str], None] = lambda text: None) -> F
     `WorkbenchError` where too many samples or references have no answer.
     """
     started = perf_counter()
+    seconds = {"samples": 0.0, "references": 0.0, "meshes": 0.0}
     with Processes(setup.jobs) as run:
-        roots, population, kinds = survey(setup, run)
-        scores = population.inputs
-        sampled = Sampled.of(setup, scores, run)
-        seconds = {"samples": perf_counter() - started}
-        say(f"{len(roots)} samples in {seconds['samples']:.1f} s")
-        random = np.random.default_rng((setup.seed, SCRAMBLES))
-        offset = float(random.random())
-        counts = LOOKS if setup.references is None else (setup.references,)
-        places = place_references(population, counts[-1], offset)
-        checked = place_references(population, CHECKED, offset)
-        y = population.log_velocity
-        grown = grows(sampled.peaks_at, checked, y[checked], setup.limit)
-        slopes = slopes_at(sampled.peaks_at, places, y[places], setup.limit)
+        samples = Samples.of(setup, run)
+        seconds["samples"] = perf_counter() - started
+        say(f"{len(samples.roots)} samples in {seconds['samples']:.1f} s")
+        tasks = samples.tasks(setup.limit, range(len(samples.places)))
         ratios: list[Ratio] = []
-        numerical: float | None = None
-        shift, mesh_runs = 0.0, 0
-        spent, mesh_spent = 0.0, 0.0
-        look, finer, looked = 0, 0, len(counts) > 1
-        count, dominates = 0, False
-        tasks = [
-            (scores[place : place + 1], float(y[place]), float(slope))
-            for place, slope in zip(places, slopes, strict=True)
-        ]
+        finer, dominates, look = Finer(), False, 0
+        counts = LOOKS if setup.references is None else (setup.references,)
         while True:
-            if count < counts[look]:
-                begun, count = perf_counter(), counts[look]
-                ratios += run(partial(ratio_at, setup), tasks[len(ratios) : count])
-                spent += perf_counter() - begun
-            if setup.meshes and (not finer or dominates):
-                begun, finer = perf_counter(), finer + 1
-                meshes = _mesh(setup, finer, places, ratios, scores, population, run)
-                numerical, shift = meshes[:2]
-                mesh_runs += meshes[2]
-                mesh_spent += perf_counter() - begun
-            without = _curve(setup, population, places, ratios, shift, looked)
-            curve = without if numerical is None else without.widened(numerical)
+            begun = perf_counter()
+            ratios += run(partial(ratio_at, setup), tasks[len(ratios) : counts[look]])
+            seconds["references"] += perf_counter() - begun
+            if setup.has_meshes and (not finer.refined or dominates):
+                begun = perf_counter()
+                finer = _on_finer_meshes(setup, finer.refined + 1, samples, ratios, run)
+                seconds["meshes"] += perf_counter() - begun
+            result = Fragility.of(setup, samples, ratios, finer)
+            curve, without = result.curve, result.curve_without
             say(
-                f"{count} references, meshes {2**finer} times finer: half-width "
+                f"{len(ratios)} references, meshes {2**finer.refined} times finer: half-width "
                 f"{curve.half_width:.3f} in probability, {without.half_width:.3f} without meshes"
             )
             # what is the larger part is worth the next runs
             large = curve.half_width > 2.0 * without.half_width
-            dominates = numerical is not None and large and finer < FINEST_MESH
+            dominates = result.numerical is not None and large and finer.refined < FINEST_MESH
             last = look == len(counts) - 1
             if _is_narrow(curve, setup.target) or perf_counter() - started > setup.seconds:
                 break
-            if not dominates and (last or (large and finer == FINEST_MESH)):
+            if not dominates and (last or (large and finer.refined == FINEST_MESH)):
                 break
             look += not dominates
-        seconds["meshes"] = mesh_spent
-        seconds["references"] = spent
-    ordered = np.sort(population.log_velocity[np.isfinite(population.log_velocity)])
-    reduced = np.searchsorted(ordered, curve.log_velocity, side="right") / len(scores)
-    runs = {
-        "samples": sum(root.runs for root in roots),
-        "references": sum(ratio.runs for ratio in ratios),
-        "meshes": mesh_runs,
-    }
-    used = [int(place) for place in places[: len(ratios)]]
-    return Fragility(
-        *(setup, curve, without, reduced, numerical, shift, population, used, ratios, kinds, runs),
-        {**seconds, "all": perf_counter() - started},
-        looked,
-        int((~grown).sum()),
-    )
+    return replace(result, seconds={**seconds, "all": perf_counter() - started})
 
 
 def _scores(setup: Setup) -> tuple[Array, Array]:
@@ -263,40 +303,27 @@ def _population(
     return Population(u, scores, classes, scrambles), kinds
 
 
-def _mesh(
-    setup: Setup,
-    finer: int,
-    places: Indices,
-    ratios: list[Ratio],
-    scores: Array,
-    population: Population,
-    run: Run,
-) -> tuple[float | None, float, int]:
-    """Half-width and shift in ln velocity from the mesh of the references to a finer one."""
-    if not hasattr(setup.reference, "refinement"):
-        return None, 0.0, 0
+def refined_ones(ratios: Sequence[Ratio]) -> list[int]:
+    """Numbers of the references that are run on a finer mesh."""
     answered = [k for k, ratio in enumerate(ratios) if isfinite(ratio.value)]
-    chosen = answered[:: max(1, len(answered) // MESH_SAMPLES)][:MESH_SAMPLES]
-    tasks = [
-        (scores[places[k] : places[k] + 1], float(population.log_velocity[places[k]]), ratios[k])
-        for k in chosen
-    ]
-    parts = [part for part in run(partial(on_finer_mesh, setup, finer), tasks) if part is not None]
-    if len(parts) < 2:
-        return None, 0.0, len(tasks)
-    shifts, widths = np.array(parts).T
-    spread = student.ppf(0.5 + LEVEL / 2.0, len(parts) - 1) * shifts.std(ddof=1)
-    half = float(widths.max() + spread / np.sqrt(len(parts)))
-    return half, float(shifts.mean()), len(tasks)
+    return answered[:: max(1, len(answered) // MESH_SAMPLES)][:MESH_SAMPLES]
+
+
+def _on_finer_meshes(
+    setup: Setup, refined: int, samples: Samples, ratios: list[Ratio], run: Run
+) -> Finer:
+    """A few of the references so far on a mesh that is refined further."""
+    tasks = [samples.task_of(k, ratios[k]) for k in refined_ones(ratios)]
+    parts = run(partial(on_finer_mesh, setup, refined), tasks)
+    return Finer(refined, len(ratios), tuple(part or (nan, nan) for part in parts))
 
 
 def _curve(
     setup: Setup,
     population: Population,
     places: Indices,
-    ratios: list[Ratio],
+    ratios: Sequence[Ratio],
     shift: float,
-    looked: bool,
 ) -> Curve:
     """The corrected curve by the references so far."""
     answered = [k for k, ratio in enumerate(ratios) if isfinite(ratio.value)]
@@ -307,6 +334,7 @@ def _curve(
         raise WorkbenchError(f"{text}; take another reference, see `workbench advise`")
     values = np.array([ratios[k].value for k in answered]) + shift
     random = np.random.default_rng((setup.seed, SCRAMBLES, len(ratios)))
+    looked = setup.references is None
     return fragility_curve(
         population, places[answered], values, random, looked=looked, failed=failed
     )

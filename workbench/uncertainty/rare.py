@@ -15,10 +15,11 @@ from scipy.special import logsumexp, ndtr, ndtri
 
 from workbench.arrays import Array, Flags
 from workbench.errors import InputError, WorkbenchError
+from workbench.scenarios import column
 from workbench.uncertainty.critical_velocity import COARSE, Limit
 from workbench.uncertainty.fragility_curve import LEVEL
 from workbench.uncertainty.inputs import UncertainScenario
-from workbench.uncertainty.sample_runs import VELOCITY, Run, Sampled, Setup
+from workbench.uncertainty.sample_runs import VELOCITY, Run, Sampled, Setup, numbers_at
 
 RANGE = (0.1, 10.0)  # velocities that are searched, over that of the scenario
 ASIDE, CLOSE, LONGEST = 0.5, 0.2, 3.0  # scores: of differences, of a point that stays, of a step
@@ -58,7 +59,8 @@ class Struck:
         critical = np.clip([root.log_velocity for root in roots], *self.setup.search)
         if np.isfinite(critical[0]):
             self.near = float(critical[0])
-        velocities = sampled.varied.by_key.get(VELOCITY, np.full(len(scores), self.velocity))
+        given = sampled.varied.by_key.get(VELOCITY, [self.velocity] * len(scores))
+        velocities = numbers_at(VELOCITY, column.VELOCITY, given)
         least = exp(self.setup.search[0])  # below it no distribution is asked
         return critical - np.log(np.maximum(velocities, least)), sum(root.runs for root in roots)
 

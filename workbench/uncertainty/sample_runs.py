@@ -12,11 +12,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+from scipy.stats import t as student
 from threadpoolctl import threadpool_limits
 
 from workbench.arrays import Array, Indices
 from workbench.errors import WorkbenchError
 from workbench.evidence.error_model import PEAK
+from workbench.fields import Number
 from workbench.models.base import Model, on_one_mesh
 from workbench.models.batch import FAILURE, OUTCOME, can_stack, simulate_many
 from workbench.responses import SCALARS, Outcome, outcome_of
@@ -24,6 +26,7 @@ from workbench.responses.uncertainty import WIDTHS
 from workbench.scenarios import Scenario
 from workbench.scenarios.column import DURATION
 from workbench.scenarios.varied import Path_, Varied
+from workbench.study.executors import deaf_to_interrupts, end_with_parent
 from workbench.study.limit import LONGER
 from workbench.uncertainty.critical_velocity import (
     BEYOND,
@@ -39,6 +42,7 @@ from workbench.uncertainty.critical_velocity import (
     ratio_to_reference,
     search,
 )
+from workbench.uncertainty.fragility_curve import LEVEL
 from workbench.uncertainty.inputs import UncertainScenario
 
 MESH_LEVELS = 6  # of the runs on finer meshes
@@ -74,6 +78,11 @@ class Setup:
     target: Target = Target()
     jobs: int = 1
     meshes: bool = True
+
+    @property
+    def has_meshes(self) -> bool:
+        """Whether some of the references are run on finer meshes."""
+        return self.meshes and hasattr(self.reference, "refinement")
 
     @property
     def search(self) -> tuple[float, float]:
@@ -115,6 +124,27 @@ def on_finer_mesh(
     return -log(peak / coarse) / ratio.slope, width / peak / ratio.slope
 
 
+class Finer(NamedTuple):
+    """References on a mesh that is `refined` so many times more, a few `among` the first so many.
+
+    `runs`: shift and remaining half-width in ln velocity of each, NaN where it has no answer.
+    """
+
+    refined: int = 0
+    among: int = 0
+    runs: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def error(self) -> tuple[float | None, float]:
+        """Half-width (None: unknown) and shift in ln velocity from the mesh of the references."""
+        parts = [part for part in self.runs if isfinite(part[0])]
+        if len(parts) < 2:
+            return None, 0.0
+        shifts, widths = np.array(parts).T
+        spread = student.ppf(0.5 + LEVEL / 2.0, len(parts) - 1) * shifts.std(ddof=1)
+        return float(widths.max() + spread / np.sqrt(len(parts))), float(shifts.mean())
+
+
 Run = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 
 
@@ -137,10 +167,18 @@ class Processes:
         else:
             context = get_context("spawn")
             self.pool = ProcessPoolExecutor(self.jobs, context, initializer=_one_thread)
-        return self.pool.map
+        return self._map
+
+    def _map(self, function: Callable[[Any], Any], tasks: Iterable[Any]) -> Iterator[Any]:
+        assert self.pool is not None
+        with deaf_to_interrupts():  # processes start with their first task
+            return self.pool.map(function, tasks)
 
     def __exit__(self, kind: object, error: object, trace: object) -> None:
         if self.pool is not None:
+            if error is not None:  # such as an interrupt: nobody waits for what is at work
+                for process in dict(getattr(self.pool, "_processes", None) or {}).values():
+                    process.kill()
             self.pool.shutdown(cancel_futures=True)
         if isinstance(error, BrokenProcessPool):
             text = "a process was stopped from outside; is there memory for this many --jobs?"
@@ -148,7 +186,14 @@ class Processes:
 
 
 def _one_thread() -> None:
+    end_with_parent()
     threadpool_limits(1)
+
+
+def numbers_at(path: Path_, rule: Number, values: Iterable[Any]) -> Array:
+    """Values (rows,) of a key as numbers in SI; texts of a discrete law say their unit."""
+    name = ".".join(map(str, path))
+    return np.array([rule.check(name, v) if isinstance(v, str) else float(v) for v in values])
 
 
 @dataclass(frozen=True)
@@ -182,7 +227,7 @@ class Sampled:
         """
         values = self._values(slice(None)) if values is None else values
         count = len(next(iter(values.values())))
-        duration = np.asarray(values.get(RECORD, np.full(count, self.like.duration)), float)
+        duration = numbers_at(RECORD, DURATION, values.get(RECORD, [self.like.duration] * count))
         asked = Varied(self.varied.tables, {**values, RECORD: duration})
         table = answers_by(self.run, self.jobs, self.model, asked, self.like)
         peaks = np.full(count, np.nan)
