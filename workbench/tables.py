@@ -35,7 +35,7 @@ LARGEST_UNPACKED = 200_000_000  # bytes of a workbook, which is packed
 NUMBER = re.compile(  # float() would also take 1_000 and digits of other scripts
     r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)(e[+-]?[0-9]+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE
 )
-_THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")  # or with a decimal comma
+_THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2}[.,][0-9]{3}")  # or with a decimal sign
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabulators"}
 _SEP, _DECIMAL = Choice((",", ";", "tab")), Choice((".", ","))
 _LOOKED_AT = 30  # lines that tell the separator and the header
@@ -204,17 +204,17 @@ def _separator(lines: list[str], known: Known) -> str:
 
 
 def _decimal(values: Lines, commas_separate: bool) -> str:
-    """The decimal sign of most numbers that are texts.
-
-    A comma that may be one of thousands tells nothing where commas separate columns too.
-    """
+    """The decimal sign of most numbers that are texts; one that may be of thousands tells little."""
     texts = [cell for _, cells in values for cell in cells if isinstance(cell, str)]
-    points = sum("." in cell and NUMBER.fullmatch(cell) is not None for cell in texts)
-    commas = [
-        c for c in texts if "," in c and "." not in c and NUMBER.fullmatch(c.replace(",", ".", 1))
-    ]
-    sure = not commas_separate or not all(map(_THOUSANDS.fullmatch, commas))
-    return "," if sure and len(commas) > points else "."
+    signed = {sign: [cell for cell in texts if sign in cell] for sign in ".,"}
+    points, commas = (
+        [cell for cell in cells if Cells("", [], sign).number(cell) is not None]
+        for sign, cells in signed.items()
+    )
+    more = sum(not _THOUSANDS.fullmatch(cell) for cell in commas)
+    more -= sum(not _THOUSANDS.fullmatch(cell) for cell in points)
+    even = more == 0 and len(commas) > len(points) and not commas_separate
+    return "," if more > 0 or even else "."
 
 
 def _header(rows: Lines, known: Known) -> int:

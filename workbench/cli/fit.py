@@ -71,7 +71,18 @@ class FitVerb:
             target = writable("--report", name, *FORMATS, inputs=inputs)
             targets[target.suffix.lower().removeprefix(".")] = target
         fitted, held, head = self._split()
-        tables, written = self.find(fitted, held), {}
+        written: dict[str, Path] = {}
+        try:
+            tables = self.find(fitted, held)
+        except InputError as error:
+            if len(fitted) or not head["roles"]:
+                raise
+            roles = ", ".join(f"{role} in {n}" for role, n in head["roles"].items())
+            advice = 'give rows to fit the role "calibrate"; --with-shipped judges by the others'
+            reason = f"none may be fitted: their role is {roles}"
+            raise InputError(
+                "table", f"{sum(head['roles'].values())} rows", reason, advice
+            ) from error
         if targets:
             from workbench.report.fit_report import write
 
@@ -116,6 +127,7 @@ class FitVerb:
             "digest": None if self.file is None else digest(Path(self.file)),
             "rows_left_out": left_out,
             "notes": notes,
+            "roles": table["role"].value_counts().to_dict() if "role" in table else {},
             "known_variation": getattr(self, "known_variation", None),
         }  # fmt: skip
 

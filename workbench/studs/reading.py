@@ -109,8 +109,12 @@ def examined(cells: Cells, table: Table) -> Examination:
             rows.append(row)
     if not rows and not problems:
         raise InputError(cells.name, "only a header", "must hold one row or more")
-    computed = (f"{note} in {count} rows" for note, count in notes.items())
-    return Examination(_frame(rows, columns, table), tuple(problems), (*cells.notes, *computed))
+    frame = _frame(rows, columns, table)
+    silent = [f"{c} ({value:g})" for c, value in table.assumed.items() if frame[c].isna().all()]
+    computed = [f"{note} in {count} rows" for note, count in notes.items()]
+    if rows and silent:
+        computed.append(f"{', '.join(silent)} is in no row: where models need it they assume this")
+    return Examination(frame, tuple(problems), (*cells.notes, *computed))
 
 
 @dataclass

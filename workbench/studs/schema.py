@@ -6,8 +6,8 @@ their columns. An empty cell means that the quantity was not reported; it never 
 """
 
 import tomllib
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from math import isnan, pi
 from pathlib import Path
 from typing import NamedTuple
@@ -60,7 +60,7 @@ class Table:
     """A kind of table: its columns, and the columns that together must not repeat (or none).
 
     `rules` gives the contradictions within a row whose single cells are in order; `complete` fills
-    cells that others tell, and says so.
+    cells that others tell, and says so; `assumed`, what stands for a column that no row tells.
     """
 
     name: str
@@ -68,6 +68,7 @@ class Table:
     key: tuple[str, ...] = ()
     rules: Callable[[Row], Iterator[RowFinding]] = lambda row: iter(())
     complete: Callable[[Row], Iterable[str]] = lambda row: ()
+    assumed: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -235,7 +236,12 @@ def _predamage(row: Row) -> Iterator[RowFinding]:
 
 _COLUMNS = Path(__file__).with_name("columns.csv")
 TESTS = Table(
-    "tests", declared("tests", _COLUMNS), ("campaign", "specimen"), _contradictions, _shear_of_total
+    "tests",
+    declared("tests", _COLUMNS),
+    ("campaign", "specimen"),
+    _contradictions,
+    _shear_of_total,
+    USUAL,
 )
 POINTS = Table("points", declared("points", _COLUMNS))
 
