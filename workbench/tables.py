@@ -204,7 +204,7 @@ def _separator(lines: list[str], known: Known) -> str:
 
 
 def _decimal(values: Lines, commas_separate: bool) -> str:
-    """The decimal sign of most numbers that are texts; one that may be of thousands tells little."""
+    """The decimal sign of most numbers; one that may be of thousands tells little."""
     texts = [cell for _, cells in values for cell in cells if isinstance(cell, str)]
     signed = {sign: [cell for cell in texts if sign in cell] for sign in ".,"}
     points, commas = (

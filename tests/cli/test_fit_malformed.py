@@ -47,7 +47,7 @@ MALFORMED: dict[str, tuple[bytes, str]] = {
     "infinite": (rows("lab,A1,push-out,19,100,30,450,inf"), "must be finite"),
     "decimal commas": (rows(GOOD, "lab,A2,push-out,19,05,100,30,450,100"), "decimal points"),
     "quoted decimal comma": (rows('lab,A1,push-out,"19,05",100,30.1,450,99.5'), "19.05"),
-    "bars between columns": (rows(GOOD.replace(",", "|"), header=HEADER.replace(",", "|")), "unknown c"),
+    "bars": (rows(GOOD.replace(",", "|"), header=HEADER.replace(",", "|")), "unknown column"),
     "thousands separator": (rows('lab,A1,push-out,19,100,30,450,"1,000.5"'), "no unit, no words"),
     "underscore": (rows("lab,A1,push-out,1_9,100,30,450,100"), "diameter_mm = '1_9'"),
     "digits of another script": (rows("lab,A1,push-out,\u0661\u0669,100,30,450,100"), "no words"),
