@@ -10,8 +10,7 @@ import re
 import warnings
 import zipfile
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import partial
+from collections.abc import Callable, Iterator, Mapping
 from itertools import compress, zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
 
 FILES = (".csv", ".xlsx")  # endings of tables that options and scenarios name
 COMMENT = "#"  # begins a line above the header that is not read
-MOST_ROWS, MOST_COLUMNS, MOST_POINTS = 50_000, 10_000, 10_000
+MOST_ROWS, MOST_COLUMNS, MOST_POINTS = 50_000, 1_000, 10_000
 LONGEST_LINE = 65_536  # bytes; no row of any table comes near it
 LONGEST_NUMBER = 60  # characters
 LARGEST_UNPACKED = 200_000_000  # bytes of a workbook, which is packed
@@ -84,22 +83,12 @@ class Cells(NamedTuple):
         alone = len(text) <= LONGEST_NUMBER and NUMBER.fullmatch(text)
         return float(text) if alone else None
 
-    def advice(self, text: str) -> str:
+    @property
+    def advice(self) -> str:
         """What to do about a cell that is no number."""
-        if len(text) <= LONGEST_NUMBER and NUMBER.fullmatch(text.replace(",", ".", 1)):
-            right = text.replace("." if self.decimal == "," else ",", self.decimal)
-            return f"numbers of this table look like {right}; --decimal tells another sign"
-        return "write the number alone: no unit, no words, no separators of thousands"
-
-    def frame(self) -> "pd.DataFrame":
-        """The table as a data frame, see `frame_of`."""
-        text = io.StringIO()
-        for _, cells in self.rows:
-            known = (
-                cell if self.number(cell) is None else cell.replace(",", ".") for cell in cells
-            )
-            csv.writer(text).writerow(known)
-        return frame_of(io.StringIO(text.getvalue()))
+        rule = "the number alone: no unit, no words, no separators of thousands"
+        word = "point" if self.decimal == "." else "comma"
+        return f"write {rule}, and a decimal {word} as in this table, or tell --decimal"
 
 
 def text_of(value: Any, decimal: str) -> str:
@@ -134,6 +123,8 @@ def cells_of(data: bytes, name: str, known: Known, how: Reading = FOUND_OUT) -> 
         notes += [f"columns are separated by {_SEPARATORS[sep]}"] * (sep != "," and not how.sep)
     if not values:
         raise InputError(name, "", "is empty", "the first line names the columns")
+    if len(values) > MOST_ROWS + 1:
+        raise InputError(name, len(values), f"the table has more than {MOST_ROWS} rows")
     decimal = _DECIMAL.check("--decimal", how.decimal or _decimal(values, sep == ","))
     notes += ["numbers have decimal commas"] * (decimal == "," and not how.decimal)
     rows = [(line, [text_of(cell, decimal) for cell in cells]) for line, cells in values]
@@ -174,20 +165,12 @@ def _rows(lines: list[str], name: str, sep: str) -> Lines:
         for cells in reader:
             comment = not rows and cells and cells[0].lstrip().startswith(COMMENT)
             if not comment and any(cell.strip() for cell in cells):
-                rows.append(_counted(reader.line_num, cells, len(rows), name))
+                rows.append((reader.line_num, cells))
     except csv.Error as error:
         place, reason = f"{name}, line {reader.line_num}", f"is not valid CSV: {error}"
         advice = "look for a quotation mark that is not closed"
         raise InputError(place, "", reason, advice) from error
     return rows
-
-
-def _counted(line: int, cells: Any, before: int, name: str) -> tuple[int, list[Any]]:
-    """A line with its number. Raises `InputError` where a table is too long or too wide."""
-    if before > MOST_ROWS or len(cells) > MOST_COLUMNS:
-        reason = f"the table has more than {MOST_ROWS} rows or {MOST_COLUMNS} columns"
-        raise InputError(f"{name}, line {line}", "", reason)
-    return line, list(cells)
 
 
 def _separator(lines: list[str], known: Known) -> str:
@@ -232,45 +215,45 @@ def _sheet(data: bytes, name: str, wanted: str | None, notes: list[str]) -> Line
     """Lines of a sheet of a workbook; `notes` gets which one it is."""
     from openpyxl import load_workbook
 
-    rows, packed = Lines(), io.BytesIO(data)
+    packed = io.BytesIO(data)
     try:
+        size = sum(each.file_size for each in zipfile.ZipFile(packed).infolist())
+        if size > LARGEST_UNPACKED:
+            raise InputError(name, size, f"must not unpack to over {LARGEST_UNPACKED} bytes")
         with warnings.catch_warnings():  # of styles, which are not read
             warnings.simplefilter("ignore")
-            size = sum(each.file_size for each in zipfile.ZipFile(packed).infolist())
-            if size > LARGEST_UNPACKED:
-                raise InputError(name, size, f"must not unpack to over {LARGEST_UNPACKED} bytes")
-            # values of formulas, and the formulas, which tell where no value was stored
-            books = (load_workbook(packed, True, data_only=v) for v in (True, False))
-            values, written = ({each.title: _values(each) for each in book} for book in books)
-            filled = [title for title, sheet in values.items() if any(map(any, sheet()))]
+            books = (load_workbook(packed, True, data_only=v).worksheets for v in (True, False))
+            # what formulas made; and the formulas, which tell where no value was stored
+            values, written = ({each.title: each for each in book} for book in books)
+            filled = [title for title, each in values.items() if any(map(any, _values(each, name)))]
             if wanted is not None:
                 Choice(tuple(values), did_you_mean(wanted, values)).check("--sheet", wanted)
             elif len(filled) > 1:
                 raise InputError("--sheet", None, f"must be given: {name} has {', '.join(filled)}")
             title = wanted or (filled or list(values))[0]
-            both = zip(values[title](), written[title](), strict=True)
-            for line, (cells, formulas) in enumerate(both, start=1):
-                for cell, text in zip(cells, formulas, strict=True):
-                    if cell is None and isinstance(text, str) and text.startswith("="):
-                        reason = "is a formula without a stored value"
-                        advice = "open and save the file in Excel"
-                        raise InputError(f"{name}, line {line}", text, reason, advice)
-                if any(cell is not None and str(cell).strip() for cell in cells):
-                    rows.append(_counted(line, cells, len(rows), name))
+            both = [*zip(*(_values(b[title], name) for b in (values, written)), strict=True)]
     except InputError:
         raise
     except Exception as error:  # packed files may hold anything
         raise InputError(name, None, "is no workbook of Excel that can be read", _SAVE) from error
+    rows = []
+    for line, (cells, texts) in enumerate(both, start=1):
+        if any(c is None and t is not None for c, t in zip(cells, texts, strict=True)):
+            reason, advice = "holds a formula without a value", "open and save the file in Excel"
+            raise InputError(f"{name}, line {line}", None, reason, advice)
+        if any(text_of(cell, ".") for cell in cells):
+            rows.append((line, list(cells)))
     notes += [f"the rows are those of the sheet {title}"] * (len(values) > 1)
     return rows
 
 
-def _values(sheet: Any) -> Callable[[], Iterable[tuple[Any, ...]]]:
-    """What gives the lines of a sheet, of whatever size its file says that it is."""
-    if hasattr(sheet, "reset_dimensions"):
-        sheet.reset_dimensions()
-        return partial(sheet.iter_rows, values_only=True)
-    return tuple  # a sheet of charts has no line
+def _values(sheet: Any, name: str) -> Iterator[tuple[Any, ...]]:
+    """Lines of a sheet, whatever size its file states. Raises `InputError` for a wide one."""
+    sheet.reset_dimensions()
+    for line, cells in enumerate(sheet.iter_rows(values_only=True), start=1):
+        if len(cells) > MOST_COLUMNS:
+            raise InputError(f"{name}, line {line}", None, f"has over {MOST_COLUMNS} columns")
+        yield cells
 
 
 def frame_of(stream: Any) -> "pd.DataFrame":

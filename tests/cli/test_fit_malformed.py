@@ -46,7 +46,7 @@ MALFORMED: dict[str, tuple[bytes, str]] = {
     "not a number": (rows("lab,A1,push-out,nan,100,30,450,100"), "must be finite"),
     "infinite": (rows("lab,A1,push-out,19,100,30,450,inf"), "must be finite"),
     "decimal commas": (rows(GOOD, "lab,A2,push-out,19,05,100,30,450,100"), "decimal points"),
-    "quoted decimal comma": (rows('lab,A1,push-out,"19,05",100,30.1,450,99.5'), "19.05"),
+    "quoted decimal comma": (rows('lab,A1,push-out,"19,05",100,30.1,450,99.5'), "point as"),
     "bars": (rows(GOOD.replace(",", "|"), header=HEADER.replace(",", "|")), "unknown column"),
     "thousands separator": (rows('lab,A1,push-out,19,100,30,450,"1,000.5"'), "no unit, no words"),
     "underscore": (rows("lab,A1,push-out,1_9,100,30,450,100"), "diameter_mm = '1_9'"),

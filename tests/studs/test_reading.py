@@ -94,7 +94,7 @@ MALFORMED: dict[str, tuple[list[str], str, str]] = {
     "zero load": (["lab,A1,push-out,19,100,30,450,0"], HEADER, r"column shear_kN = 0\.0"),
     "a decimal comma among decimal points": (
         ['lab,A1,push-out,"19,05",100,30.5,450,100.5'], HEADER,
-        r"column diameter_mm = '19,05': .*numbers of this table look like 19\.05; --decimal",
+        r"column diameter_mm = '19,05': .*and a decimal point as in this table, or tell --decimal",
     ),
     "decimal comma without quotes": (
         [GOOD, "lab,A2,push-out,19,05,100,30,450,100"], HEADER,

@@ -179,9 +179,10 @@ def check(
     if files:
         how = Reading(sheet, sep, decimal)
         results = {str(file): check_file(Path(file), how) for file in files}
-        content: dict[str, Any] = {"files": {file: each.problems for file, each in results.items()}}
-        for name in ("suspicions", "notes"):
-            content[name] = {file: getattr(each, name) for file, each in results.items()}
+        content: dict[str, Any] = {
+            name: {file: lists[place] for file, lists in results.items()}
+            for place, name in enumerate(("files", "suspicions", "notes"))
+        }
         texts = []
         for file, (bad, doubts, notes) in results.items():
             more = f", {len(doubts)} suspicions" if doubts else ""

@@ -109,17 +109,22 @@ def sweep(
 
 def _cases(file: str, how: Reading) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """The table of a file, a column a key, and how it was read. Raises `InputError`."""
+    import pandas as pd
+
+    from workbench.scenarios.files import parse_value
     from workbench.tables import read_cells
 
-    cells = read_cells(Path(file), _KEY.fullmatch, how)
-    try:
-        table = cells.frame()
-    except ValueError as error:
-        text = "must be a table with a line of keys"
-        raise InputError("--cases", file, text, str(error).strip()) from error
-    if table.empty:
+    cells, rows = read_cells(Path(file), _KEY.fullmatch, how), []
+    for line, texts in cells.rows[1:]:
+        if len(texts) != len(cells.header) or "" in texts:
+            reason = f"must have {len(cells.header)} values"
+            raise InputError(f"--cases, {cells.name}, line {line}", ",".join(texts), reason)
+        numbers = map(cells.number, texts)
+        pairs = zip(texts, numbers, strict=True)
+        rows.append([parse_value(text) if number is None else number for text, number in pairs])
+    if not rows:
         raise InputError("--cases", file, "must hold one row or more")
-    return table, cells.notes
+    return pd.DataFrame(rows, columns=cells.header), cells.notes
 
 
 def _values(text: str) -> tuple[str, list[Any]]:

@@ -89,16 +89,8 @@ def names_column(text: str) -> bool:
     return any(find(text, kind.table) for kind in KINDS.values())
 
 
-class Checked(NamedTuple):
-    """What is to be said of a file: problems, suspicions, how it was read; a sentence each."""
-
-    problems: list[str]
-    suspicions: list[str]
-    notes: list[str]
-
-
-def check_file(path: Path, how: Reading = FOUND_OUT) -> Checked:
-    """Check a table of your own, read as `how` says.
+def check_file(path: Path, how: Reading = FOUND_OUT) -> tuple[list[str], list[str], list[str]]:
+    """Problems, suspicions and notes of a table of your own, read as `how` says; sentences.
 
     Its columns tell whether it holds impact tests, points of load-slip curves or tests on studs.
     Raises `InputError` for a file that cannot be read at all.
@@ -113,7 +105,7 @@ def check_file(path: Path, how: Reading = FOUND_OUT) -> Checked:
     found = examined(cells, kind.table)
     problems = [str(problem.error()) for problem in found.problems]
     doubts = [each.text for each in kind.suspicions(found.rows)]
-    return Checked(problems, doubts, list(found.notes))
+    return problems, doubts, list(found.notes)
 
 
 def rows_of(entry: Dataset) -> pd.DataFrame:

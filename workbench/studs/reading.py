@@ -189,7 +189,7 @@ def _cell(text: str, column: Column, cells: Cells) -> object:
         return column.rule.check(column.name, text)
     number = cells.number(text)
     if number is None:
-        raise InputError(column.name, text, column.rule.allowed(), cells.advice(text))
+        raise InputError(column.name, text, column.rule.allowed(), cells.advice)
     return float(column.rule.check(column.name, number))
 
 

@@ -183,12 +183,10 @@ def _computed_moduli(tests: Specimens) -> Iterator[Finding]:
         rows = of_kind & ~tests.modulus_measured
         if rows.any():
             more = 100.0 * (other / tests.concrete_modulus - 1.0)[rows]
-            low, high = sorted((float(np.min(more)), float(np.max(more))), key=abs)
-            span = f"{abs(low):.0f} to " * (high - low >= 1.0 or low - high >= 1.0)
-            words = "more and would raise" if high > 0.0 else "less and would lower"
-            words = f"{span}{abs(high):.0f} % {words}"
-            if low * high < 0.0:
-                words = f"{-min(more):.0f} % less to {max(more):.0f} % more and would change"
+            low, high = float(np.min(more)), float(np.max(more))
+            ends = (f"{abs(end):.0f} % {'more' if end > 0.0 else 'less'}" for end in (low, high))
+            raises = "raise" if low > 0.0 else "lower" if high < 0.0 else "change"
+            words = f"{' to '.join(dict.fromkeys(ends))} and would {raises}"
             which: dict[str, Any] = {"formula": formula, "other": compared, "more": words}
             yield finding("stud-computed-modulus", count=int(rows.sum()), **which)
 
