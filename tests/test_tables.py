@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from openpyxl import Workbook
 
+import workbench
 from workbench.errors import InputError
 from workbench.fields import Number
 from workbench.tables import Cells, Reading, cells_of, read_points
@@ -161,3 +162,14 @@ def test_rows_of_a_sweep_may_be_a_workbook(
     assert "the header is line 2, below 'Runs'" in printed[0]
     assert "numbers have decimal commas" in printed[1]
     assert printed[0].splitlines()[-1] == printed[1].splitlines()[-1]
+
+
+def test_no_other_module_reads_tables() -> None:
+    package = Path(workbench.__file__).parent
+    readers = {
+        path.relative_to(package).as_posix()
+        for path in package.rglob("*.py")
+        for words in ("import csv", "read_csv(", "csv.reader", "load_workbook", "read_excel")
+        if words in path.read_text(encoding="utf-8")
+    }
+    assert readers == {"tables.py"}
