@@ -147,7 +147,7 @@ def test_the_shear_of_a_stud_is_computed_from_the_load_of_the_specimen(
 def test_a_column_that_is_assumed_is_named(tmp_path: Path) -> None:
     file = tmp_path / "lab.csv"
     frame([104.5, 109.8, 101.9]).drop(columns="fcm_MPa").to_csv(file, index=False)
-    words = "fcm_MPa (30) is in no row: where models need it they assume this"
+    words = "fcm_MPa (30) is in no row: models that need it assume this"
     assert check_file(file) == ([], [], [words])
     frame([104.5, 109.8, 101.9]).to_csv(file, index=False)
     assert check_file(file) == ([], [], [])

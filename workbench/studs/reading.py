@@ -62,22 +62,19 @@ class Examination:
         return self.rows
 
 
-def read_tests(
-    path: str | Path, *, keep_good: bool = False, how: Reading = FOUND_OUT
-) -> pd.DataFrame:
+def read_tests(path: str | Path, *, keep_good: bool = False) -> pd.DataFrame:
     """Table of tests on studs (schema `TESTS`), one row per specimen.
 
-    Arguments: `path` of a CSV file or a workbook; `keep_good`, leave bad rows out instead of
-    refusing the file (`examine` says which); `how` to read it. Missing numbers are NaN, missing
-    texts empty. Raises `InputError`.
+    Arguments: `path` of a table; `keep_good`, leave bad rows out instead of refusing the file
+    (`examine` says which). Missing numbers are NaN, missing texts empty. Raises `InputError`.
     """
-    examination = examine(path, TESTS, how)
+    examination = examine(path, TESTS)
     return examination.rows if keep_good else examination.accept()
 
 
-def read_text(text: str, table: Table, name: str = "table", how: Reading = PLAIN) -> Examination:
-    """Examine a table given as text (see `examine`)."""
-    return examined(cells_of(text.encode(), name, table.names.__contains__, how), table)
+def read_text(text: str, table: Table, name: str = "table") -> Examination:
+    """Examine a table given as text as the workbench writes it (see `examine`)."""
+    return examined(cells_of(text.encode(), name, table.names.__contains__, PLAIN), table)
 
 
 def from_frame(frame: pd.DataFrame, table: Table, name: str = "table") -> pd.DataFrame:
@@ -88,18 +85,15 @@ def from_frame(frame: pd.DataFrame, table: Table, name: str = "table") -> pd.Dat
 def examine(path: str | Path, table: Table, how: Reading = FOUND_OUT) -> Examination:
     """Read a table row by row, separating good rows from problems.
 
-    Raises `InputError` when no row can be read at all: missing, too large or binary file, unknown
-    or missing columns. Large files are refused before they are read.
+    Raises `InputError` when no row can be read at all, as of large files, which are not read.
     """
     return examined(read_cells(Path(path), table.names.__contains__, how), table)
 
 
 def examined(cells: Cells, table: Table) -> Examination:
     """The good rows and the problems of a table by its cells. Raises `InputError`."""
-    rows: list[Row] = []
-    problems: list[Problem] = []
-    seen, notes = _Seen(table), Counter[str]()
-    columns = _columns(cells, table)
+    rows, problems, notes = list[Row](), list[Problem](), Counter[str]()
+    columns, seen = _columns(cells, table), _Seen(table)
     for line, texts in cells.rows[1:]:
         row, findings = _row(texts, columns, cells)
         notes.update(() if findings else table.complete(row))
@@ -109,11 +103,10 @@ def examined(cells: Cells, table: Table) -> Examination:
             rows.append(row)
     if not rows and not problems:
         raise InputError(cells.name, "only a header", "must hold one row or more")
-    frame = _frame(rows, columns, table)
+    frame, words = _frame(rows, columns, table), "is in no row: models that need it assume this"
     silent = [f"{c} ({value:g})" for c, value in table.assumed.items() if frame[c].isna().all()]
     computed = [f"{note} in {count} rows" for note, count in notes.items()]
-    if rows and silent:
-        computed.append(f"{', '.join(silent)} is in no row: where models need it they assume this")
+    computed += [f"{', '.join(silent)} {words}"] * bool(rows and silent)
     return Examination(frame, tuple(problems), (*cells.notes, *computed))
 
 
@@ -165,8 +158,7 @@ def width_findings(cells: list[str], width: int) -> list[RowFinding]:
 def _row(
     texts: list[str], columns: list[Column | str], cells: Cells
 ) -> tuple[Row, list[RowFinding]]:
-    row: Row = {}
-    findings = width_findings(texts, len(columns))
+    row, findings = Row(), width_findings(texts, len(columns))
     if findings:
         return row, findings
     for text, column in zip(texts, columns, strict=True):

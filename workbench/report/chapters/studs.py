@@ -1,7 +1,6 @@
 """Pages on studs: the template ``studs.jinja`` over the tables of fits and of stored answers.
 
-The words and the columns of the tables stand in the template; what is left to code is the shape of
-the tables.
+Words and columns stand in the template; what is left to code is the shape of the tables.
 """
 
 from collections import defaultdict
@@ -22,11 +21,9 @@ from workbench.studs.load_slip import LAWS
 from workbench.studs.relations import ANCHORED, RELATIONS
 
 Head = Mapping[str, Any]  # what was asked of a fit
+Row = dict[str, Any]
 LEVELS = (0.25, 0.5, 0.75, 1.0)  # of damage
 _GRADE_WIDTH = 30  # characters of a line
-
-
-Row = dict[str, Any]
 
 
 def records(table: pd.DataFrame) -> list[Row]:
@@ -121,8 +118,7 @@ def _shown(tables: Tables) -> Tables:
         free = shown["parameters"].query("sigma == sigma")
         scaled = free[["value", "low", "high"]].astype(float).div(free["factor"], axis=0)
         unit = free["unit"].map(lambda unit: f" ({unit})" if unit else "")
-        words = free["parameter"].str.replace("_", " ") + unit
-        free = free.assign(**scaled, words=words)
+        free = free.assign(**scaled, words=free["parameter"].str.replace("_", " ") + unit)
         shown["laws"] = free.merge(fit[["of", "median_rms"]].drop_duplicates("of"), on="of")
     if "design" in shown:
         shown["design"] = shown["design"].assign(last=~shown["design"]["of"].duplicated("last"))
