@@ -134,7 +134,7 @@ AXES = {
 def left(source: studs.Source) -> Drawing:
     """A row for each case, or quantity of fits, and a column for each label, or stud of fits.
 
-    More than two labels stand below each other. Every panel carries its grade.
+    Of more than two labels the panels follow each other, two abreast. Every one has its grade.
     """
     answers = []
     for case, label, tables in studs.answered(source, "curve", "left"):
@@ -146,15 +146,19 @@ def left(source: studs.Source) -> Drawing:
         return nothing("No residual capacity has been answered in these cases.")
     cases = list(dict.fromkeys(case for case, *_ in answers))
     labels = list(dict.fromkeys(label for _, label, *_ in answers))
-    below = len(labels) > _ABREAST >= len(cases)
-    rows, columns = (labels, cases) if below else (cases, labels)
-    sheet = Sheet.table(len(rows), len(columns), _ROW * len(rows) + 0.6, sharey="row")
-    letters = _LETTERS // len(columns)
+    rows, columns = len(cases), len(labels)
+    below = columns > _ABREAST >= rows
+    if below:
+        answers.sort(key=lambda answer: labels.index(answer[1]))
+        rows, columns = -(-len(answers) // _ABREAST), _ABREAST
+    count, shared = (len(answers), "none") if below else (rows * columns, "row")
+    sheet = Sheet.table(rows, columns, _ROW * rows + 0.6, count=count, sharey=shared)
+    letters = _LETTERS // columns
     tests = [tables.get("tests", _NONE) for *_, tables in answers]
     looks = studs.campaign_looks(pd.concat(tests)["campaign"], filled=True)
-    for case, label, fit, tables in answers:
-        at = (label, case) if below else (case, label)
-        panel = sheet.panels[rows.index(at[0]) * len(columns) + columns.index(at[1])]
+    for order, (case, label, fit, tables) in enumerate(answers):
+        place = cases.index(case) * columns + labels.index(label)
+        panel = sheet.panels[order if below else place]
         sheet.record(case=case, label=label, **_left_panel(panel, fit, tables["curve"], letters))
         studs.draw_tests(panel, tables.get("tests", _NONE), "level", "ratio", looks)
         panel.set_xlabel(AXES.get(fit["measure"], f"damage ({fit['measure']})"))
