@@ -157,8 +157,8 @@ def left(source: studs.Source) -> Drawing:
     tests = [tables.get("tests", _NONE) for *_, tables in answers]
     looks = studs.campaign_looks(pd.concat(tests)["campaign"], filled=True)
     for order, (case, label, fit, tables) in enumerate(answers):
-        place = cases.index(case) * columns + labels.index(label)
-        panel = sheet.panels[order if below else place]
+        at = order if below else cases.index(case) * columns + labels.index(label)
+        panel = sheet.panels[at]
         sheet.record(case=case, label=label, **_left_panel(panel, fit, tables["curve"], letters))
         studs.draw_tests(panel, tables.get("tests", _NONE), "level", "ratio", looks)
         panel.set_xlabel(AXES.get(fit["measure"], f"damage ({fit['measure']})"))
