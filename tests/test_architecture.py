@@ -18,7 +18,7 @@ FLOORS = (
         "units",
         "fields",
         "datafiles",
-        "point_tables",
+        "tables",
         "compiled",
         "materials",
         "sections",

@@ -13,8 +13,6 @@ from workbench.errors import InputError, WorkbenchError
 OWN_DATA, OWN_DATA_VARIABLE = "lab_data", "WORKBENCH_DATA"
 LARGEST_FILE = 20_000_000  # bytes; a row of tests has some 500, so this holds some 40 000
 
-_LIBRARIES = {"parquet": "pyarrow", "xlsx": "openpyxl"}  # of the extra `tables`, by ending
-
 
 def data_directory(name: str = "data") -> Path:
     """Find the directory of the published data, or ``studies``, that come with the workbench.
@@ -83,7 +81,6 @@ def can_write(directory: Path) -> bool:
 
 def check_library(ending: str, field: str) -> None:
     """Refuse an ending whose library is not installed. Raises `InputError`."""
-    library = _LIBRARIES.get(ending)
-    if library is not None and find_spec(library) is None:
-        reason = f"needs {library}, which is not installed"
+    if ending == "parquet" and find_spec("pyarrow") is None:
+        reason = "needs pyarrow, which is not installed"
         raise InputError(field, ending, reason, "pip install 'workbench[tables]'")

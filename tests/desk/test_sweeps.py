@@ -132,7 +132,12 @@ def test_rows_of_a_table_are_cases(impact, column_file, tmp_path, capsys):
     assert run([*asked, "--out", str(out)]) == 0
     assert pd.read_csv(out)["striker.mass"].tolist() == [900, 900, 800]
     assert "3 answers, 3 ok" in capsys.readouterr().out
-    for wrong in ("", "striker.mass\n", "striker.mass\n900\n,\n", 'striker.mass\n"\n'):
+    for wrong in (
+        "",
+        "striker.mass\n",
+        "striker.mass,striker.velocity\n900,\n",
+        'striker.mass\n"\n',
+    ):
         file.write_text(wrong)
         assert run(list(asked)) == 2
         assert capsys.readouterr().err.count("\n") == 1

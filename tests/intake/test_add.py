@@ -169,7 +169,7 @@ def test_a_filled_template_is_taken(capsys: pytest.CaptureFixture[str]) -> None:
         add_table(written(template, "empty.csv"))
     example = [line[1:].strip() for line in template.splitlines() if "   our lab" in line]
     path = written(template + "\n".join(example), "filled.csv")
-    assert check_file(path) == ([], [])
+    assert check_file(path) == ([], [], [])
     added = add_table(path)
     assert (added.rows, added.doubts) == (2, ())
     assert run(["new", "mapping"]) == 0
@@ -255,7 +255,7 @@ def test_synthetic_rows_say_so_in_their_names() -> None:
         (("Report 12", "?"), "source = '\\?': must say it"),
         (("2026,validate\nour", "2026,verify\nour"), "role = 'verify, validate': must be one"),
         ((",CC BY 4.0,2026", ",CC BY 4.0,"), "column year.*must not be empty"),
-        ((HEADER, HEADER.replace(",", ";")), "separated by semicolons"),
+        ((HEADER, HEADER.replace(",", ";")), "column span: says no unit"),
     ],
 )
 def test_bad_tables_are_refused_with_one_message(
@@ -295,7 +295,7 @@ def test_what_looks_absurd_is_named_and_taken_only_on_demand(
     with pytest.raises(InputError, match=message):
         add_table(table)
     assert not Path("lab_data").exists()
-    problems, doubts = check_file(table)
+    problems, doubts, _ = check_file(table)
     assert problems == []
     assert doubts
     assert add_table(table, despite_doubts=True).doubts

@@ -219,9 +219,9 @@ HEAD = "displacement_m,force_N\n0,0\n"
     ("text", "message"),
     [
         (None, "cannot be read"),
-        ("", "must begin with the line displacement_m,force_N"),
+        ("", "curve.csv = '': is empty"),
         ("displacement_mm,force_kN\n0,0\n1,2\n3,4\n", "must begin with the line"),
-        (b"\xff\xfe\x00", "is no CSV text"),
+        (b"\xff\xfe\x00", "curve.csv, line 1 = .*is binary data, not text"),
         (HEAD + "0.1,1e6\n", "must have 3 to 10000 points, not 2"),
         (HEAD.replace("0,0", "0,5") + "0.1,1e6\n0.2,1e6\n", "line 2 = .*must be the point 0,0"),
         (HEAD + "0.1,1e6\n0.1,2e6\n", "line 4, displacement_m = 0.1: must be larger"),

@@ -207,4 +207,4 @@ def test_two_campaigns_do_not_validate(damaged: Maker) -> None:
     assert fit.grade is Grade.TWO_CAMPAIGNS
     assert any("2 of 3 campaigns do not tell how much" in text for text in texts(fit))
     one = fit_residual(damaged(1, 6, origin="measured"))
-    assert any("1 of 3 campaigns do not tell how much" in text for text in texts(one))
+    assert any(text.startswith("one campaign does not tell how much") for text in texts(one))

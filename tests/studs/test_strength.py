@@ -59,7 +59,8 @@ def test_bias_and_scatters_are_recovered() -> None:
     assert 0.58 < fit.new_campaign_factor < 0.65  # measured 0.605
     measured, modulus = texts(fit)
     assert measured == "the uncertainty of the measured loads is not reported: it stays in sigma"
-    assert "not measured, in 120 tests; 22 (fc/10)^0.3 GPa of EN 1992-1-1 is" in modulus
+    assert "(ACI 318), not measured; 22 (fc/10)^0.3 GPa of EN 1992-1-1 is" in modulus
+    assert modulus.startswith("in 120 tests the modulus of concrete is computed as 4733 sqrt(fc)")
     assert fit.model_scatter is None
 
 

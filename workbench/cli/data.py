@@ -9,7 +9,7 @@ from typing import Any
 
 import typer
 
-from workbench.cli.output import Answer, Names, option, verb, writable
+from workbench.cli.output import DECIMAL, SEP, SHEET, Answer, Names, option, verb, writable
 from workbench.cli.studies import StoreRoot
 from workbench.content.tree import (
     Block,
@@ -58,12 +58,12 @@ def _shown(entry: dict[str, Any], rows: list[dict[str, Any]]) -> Iterator[Block]
 @app.command("add")
 @verb
 def add(
-    table: str = typer.Argument(metavar="TABLE.csv", help="Table of tests."),
+    table: str = typer.Argument(metavar="TABLE.csv|xlsx", help="Table of tests."),
     mapping: str | None = option(
         "What its columns are, and where it is from.", None, "MAPPING.toml"
     ),
     kind: str | None = option(
-        "impact-tests or stud-tests.  [default: told from the columns]", None, "KIND"
+        "impact-tests, stud-tests or stud-points.  [default: told from the columns]", None, "KIND"
     ),
     into: str | None = option(
         "Your own data.  [default: $WORKBENCH_DATA, else ./lab_data]", None, "FOLDER"
@@ -72,13 +72,17 @@ def add(
     despite_doubts: bool = option(
         "Take it although it looks wrong.", False, flag="--despite-doubts"
     ),
+    sheet: str | None = SHEET,
+    sep: str | None = SEP,
+    decimal: str | None = DECIMAL,
 ) -> Answer:
-    """Add a table of tests to your own data: impacts on steel members, or push-outs of studs.
+    """Add a table to your own data: impacts on steel members, push-outs of studs, their curves.
 
     Everything is checked before anything is written; numbers without source and licence are not
     taken. Templates: `workbench new impact-tests`, `workbench new mapping`.
     """
     from workbench.intake import add_table
+    from workbench.tables import Reading
 
     added = add_table(
         Path(table),
@@ -87,6 +91,7 @@ def add(
         into=None if into is None else Path(into),
         name=name,
         despite_doubts=despite_doubts,
+        how=Reading(sheet, sep, decimal),
     )
     entry = dataclasses.asdict(added.entry)
     content = {"dataset": entry, **{n: getattr(added, n) for n in ("already", "read", "rows")}}
@@ -156,7 +161,10 @@ def measure(
 @app.command("check")
 @verb
 def check(
-    files: Names = typer.Argument(None, metavar="[FILE.csv]...", help="Check these files alone."),
+    files: Names = typer.Argument(None, metavar="[FILE]...", help="Check these files alone."),
+    sheet: str | None = SHEET,
+    sep: str | None = SEP,
+    decimal: str | None = DECIMAL,
 ) -> Answer:
     """Check the catalogue: files, columns and sources, and every row of the tables of tests.
 
@@ -166,15 +174,19 @@ def check(
     from workbench.evidence import datasets
     from workbench.intake import check_file, problems_of_own
     from workbench.studs import check_tables
+    from workbench.tables import Reading
 
     if files:
-        results = {str(file): check_file(Path(file)) for file in files}
-        content: dict[str, Any] = {"files": {file: bad for file, (bad, _) in results.items()}}
-        content["suspicions"] = {file: doubts for file, (_, doubts) in results.items()}
+        how = Reading(sheet, sep, decimal)
+        results = {str(file): check_file(Path(file), how) for file in files}
+        content: dict[str, Any] = {
+            name: {file: lists[place] for file, lists in results.items()}
+            for place, name in enumerate(("files", "suspicions", "notes"))
+        }
         texts = []
-        for file, (bad, doubts) in results.items():
+        for file, (bad, doubts, notes) in results.items():
             more = f", {len(doubts)} suspicions" if doubts else ""
-            texts += [*bad, *(f"suspicion: {text}" for text in doubts)]
+            texts += [*notes, *bad, *(f"suspicion: {text}" for text in doubts)]
             texts.append(f"{file}: {len(bad)} problems{more}.")
         failed = any(content["files"].values())
     else:

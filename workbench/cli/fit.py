@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
 
-from workbench.cli.output import Answer, Names, option, verb, writable
+from workbench.cli.output import DECIMAL, SEP, SHEET, Answer, Names, option, verb, writable
 from workbench.errors import InputError
 from workbench.fields import Choice, Number
 
@@ -47,6 +47,9 @@ class FitVerb:
     keep_good: bool = option("Leave bad rows of FILE out.", False, None, "--keep-good")
     confidence: float = option("Confidence of intervals and bands.", 0.9)
     report: Names = option("Write a report, its curves as CSV beside it.", None, "FILE.html|pdf")
+    sheet: str | None = SHEET
+    sep: str | None = SEP
+    decimal: str | None = DECIMAL
 
     name: ClassVar[str]
     on_curves: ClassVar[bool] = False
@@ -68,7 +71,18 @@ class FitVerb:
             target = writable("--report", name, *FORMATS, inputs=inputs)
             targets[target.suffix.lower().removeprefix(".")] = target
         fitted, held, head = self._split()
-        tables, written = self.find(fitted, held), {}
+        written: dict[str, Path] = {}
+        try:
+            tables = self.find(fitted, held)
+        except InputError as error:
+            if len(fitted) or not head["roles"]:
+                raise
+            roles = ", ".join(f"{role} in {n}" for role, n in head["roles"].items())
+            advice = 'give rows to fit the role "calibrate"; --with-shipped judges by the others'
+            reason = f"none may be fitted: their role is {roles}"
+            raise InputError(
+                "table", f"{sum(head['roles'].values())} rows", reason, advice
+            ) from error
         if targets:
             from workbench.report.fit_report import write
 
@@ -80,13 +94,17 @@ class FitVerb:
         from workbench.datafiles import digest
         from workbench.studs import POINTS, TESTS, examine, shipped
         from workbench.studs.tables import campaigns_of, check_campaigns, joined, split_table
+        from workbench.tables import Reading
 
         schema = POINTS if self.on_curves else TESTS
         with_shipped = self.with_shipped or self.file is None
         parts = [shipped("stud-load-slip" if self.on_curves else "stud-push-out")] * with_shipped
         left_out: list[str] = []
+        notes: list[str] = []
         if self.file is not None:
-            examination = examine(self.file, schema)
+            how = Reading(self.sheet, self.sep, self.decimal)
+            examination = examine(self.file, schema, how)
+            notes += (f"{Path(self.file).name}: {note}" for note in examination.notes)
             parts.append(examination.rows if self.keep_good else examination.accept())
             left_out = [str(problem.error()) for problem in examination.problems]
         table = joined(parts, unique=bool(schema.key))
@@ -108,6 +126,8 @@ class FitVerb:
             "options": options,
             "digest": None if self.file is None else digest(Path(self.file)),
             "rows_left_out": left_out,
+            "notes": notes,
+            "roles": table["role"].value_counts().to_dict() if "role" in table else {},
             "known_variation": getattr(self, "known_variation", None),
         }  # fmt: skip
 

@@ -38,6 +38,12 @@ ScenarioFile = Annotated[str, typer.Argument(metavar="SCENARIO.toml", help="Scen
 Settings = Annotated[Names, option("Override a value of the scenario.", ..., "KEY=VALUE", "--set")]
 Options = Annotated[Names, option("Set an option of the model.", ..., "KEY=VALUE", "--option")]
 Jobs = Annotated[int | None, option("Processes.  [default: one for each core]", flag="--jobs")]
+# how tables of people are read: fields of `Reading`
+SHEET = option("Sheet of a workbook.  [default: the only one with rows]", None, "NAME", "--sheet")
+SEP = option("What separates columns: , ; or tab.  [default: found out]", None, "SIGN", "--sep")
+DECIMAL = option(
+    "Decimal sign of the table: . or ,  [default: found out]", None, "SIGN", "--decimal"
+)
 Json = Annotated[bool, option("Print one JSON object.", flag="--json")]
 
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workbench.cli.output import (
+    DECIMAL,
     ENDINGS,
     PICTURES,
+    SEP,
+    SHEET,
     Answer,
     Jobs,
     Names,
@@ -32,6 +36,7 @@ if TYPE_CHECKING:
 
     from workbench.scenarios import Scenario
     from workbench.study.limit import Limit, Trial
+    from workbench.tables import Reading
 
 VELOCITY, VELOCITIES = "striker.velocity", (1.0, 60.0)  # m/s
 _ENDINGS = {
@@ -40,6 +45,7 @@ _ENDINGS = {
     None: Cell("not known", tone="doubt"),
 }
 _SHOWN = 40  # rows on a terminal
+_KEY = re.compile(r"[a-z_0-9]+(\.[a-z_0-9]+)+")  # of a scenario
 _MOST_VALUES = 100_000
 
 
@@ -47,12 +53,15 @@ _MOST_VALUES = 100_000
 def sweep(
     scenario: ScenarioFile,
     over: Names = option("Values of a key, once for each key.", None, "KEY=LOW:HIGH:STEP|A,B,..."),
-    cases: str | None = option("A case a row, in place of --over.", None, "TABLE.csv"),
+    cases: str | None = option("A case a row, in place of --over.", None, "TABLE.csv|xlsx"),
     model: Names = option("Name of a model, once for each.  [default: by the scenario]", None),
     out: str | None = option("Write the table.", None, "ANSWERS.nc|csv|parquet|xlsx"),
     plot: str | None = option("Draw the peaks.", None, "OUT.png|svg|pdf"),
     jobs: Jobs = None,
     settings: Settings = None,
+    sheet: str | None = SHEET,
+    sep: str | None = SEP,
+    decimal: str | None = DECIMAL,
 ) -> Answer:
     """Answer a scenario with some of its values varied.
 
@@ -62,6 +71,7 @@ def sweep(
     """
     from workbench.desk.sweeps import sweep as swept
     from workbench.scenarios import load_scenario
+    from workbench.tables import Reading
 
     files = [scenario, cases]
     target = writable("--out", out, *ENDINGS, inputs=files)
@@ -75,7 +85,8 @@ def sweep(
         raise InputError("--over", [key for key, _ in pairs], "must name each key once")
     given = load_scenario(scenario, settings or [])
     with at_work("the sweep at work"):
-        rows_of_cases = None if cases is None else _cases(cases)
+        how = Reading(sheet, sep, decimal)
+        rows_of_cases, notes = (None, ()) if cases is None else _cases(cases, how)
         varied = None if cases else values
         answers = swept(given, varied, model or (), count, cases=rows_of_cases)
     table = answers.to_dataframe().reset_index()
@@ -90,27 +101,31 @@ def sweep(
     outcomes = table["outcome"].value_counts()
     keys = [str(key) for key in (values if rows_of_cases is None else rows_of_cases)]
     content: dict[str, Any] = {"scenario": given.name, "over": keys, "answers": rows}
+    content["notes"] = list(notes)
     answered = int(outcomes.get("ok", 0)) + int(outcomes.get("collapse", 0)) == len(rows)
-    shown = _answers(given.name, keys, table, rows)
+    shown = [*map(Paragraph, notes), *_answers(given.name, keys, table, rows)]
     return Answer(content, shown, int(not answered), {"table": target, "picture": picture})
 
 
-def _cases(file: str) -> pd.DataFrame:
-    """The table of a file, a column a key. Raises `InputError` for what is none."""
+def _cases(file: str, how: Reading) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """The table of a file, a column a key, and how it was read. Raises `InputError`."""
     import pandas as pd
 
-    from workbench.datafiles import open_input
+    from workbench.scenarios.files import parse_value
     from workbench.study.tables import from_spreadsheets
+    from workbench.tables import read_cells
 
-    with open_input(Path(file), "--cases") as stream:
-        try:
-            table = pd.read_csv(stream)
-        except (pd.errors.ParserError, pd.errors.EmptyDataError) as error:
-            text = "must be a table with a line of keys"
-            raise InputError("--cases", file, text, str(error).strip()) from error
-    if table.empty:
+    cells, rows = read_cells(Path(file), _KEY.fullmatch, how), []
+    for line, texts in cells.rows[1:]:
+        if len(texts) != len(cells.header) or "" in texts:
+            reason = f"must have {len(cells.header)} values"
+            raise InputError(f"--cases, {cells.name}, line {line}", ",".join(texts), reason)
+        numbers = map(cells.number, texts)
+        pairs = zip(texts, numbers, strict=True)
+        rows.append([parse_value(text) if number is None else number for text, number in pairs])
+    if not rows:
         raise InputError("--cases", file, "must hold one row or more")
-    return from_spreadsheets(table)
+    return from_spreadsheets(pd.DataFrame(rows, columns=cells.header)), cells.notes
 
 
 def _values(text: str) -> tuple[str, list[Any]]:

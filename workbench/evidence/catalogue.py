@@ -5,7 +5,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -13,14 +12,14 @@ from workbench.datafiles import data_directory, open_input, own_data_directory
 from workbench.errors import InputError, one_line
 from workbench.fields import Choice, Declared, Instance, Many, Text, checked, did_you_mean
 from workbench.scenarios.codec import read
+from workbench.tables import frame_of
 
 CATALOGUE = "catalogue.toml"
 SYNTHETIC = "synthetic"  # the role of made numbers, which show a form and validate nothing
 DATA = ("published", "measured")  # names of models that hold numbers and compute none
 ROLES = ("calibrate", "validate", "verify", SYNTHETIC)
-OTHER, IMPACT_TESTS, STUD_TESTS = "other", "impact-tests", "stud-tests"  # kinds of tables
-# for readers of tables: only an empty cell is missing; "NA" and "None" are names like any other
-LITERAL: dict[str, Any] = {"keep_default_na": False, "na_values": [""]}
+OTHER, IMPACT_TESTS = "other", "impact-tests"  # kinds of tables
+STUD_TESTS, STUD_POINTS = "stud-tests", "stud-points"
 TEXT, MAYBE = Text(2000), Text(2000, shortest=0)
 TABLE = Instance(dict, read=lambda value, path: Instance(dict).check(path, value))
 
@@ -49,7 +48,7 @@ class Dataset(Declared, table="dataset", label="name"):
     scenario: str = checked(MAYBE, "")
     axis: str = checked(MAYBE, "")
     axis_column: str = checked(MAYBE, "")
-    kind: str = checked(Choice((OTHER, IMPACT_TESTS, STUD_TESTS)), OTHER)
+    kind: str = checked(Choice((OTHER, IMPACT_TESTS, STUD_TESTS, STUD_POINTS)), OTHER)
     year: str = checked(MAYBE, "")
     made: str = checked(MAYBE, "")
     folder: str = checked(MAYBE, "")
@@ -113,10 +112,7 @@ def _rows(entry: Dataset) -> pd.DataFrame:
     place = f"dataset {entry.name}"
     try:
         with open_input(entry.path, place) as stream:
-            table: pd.DataFrame = pd.read_csv(stream, low_memory=False, **LITERAL)
-        if not isinstance(table.index, pd.RangeIndex):
-            raise ValueError("its rows have more cells than its header")
-        return table
+            return frame_of(stream)
     except InputError:
         raise
     except (OSError, ValueError) as error:  # cells too many in a row, other encodings, no text

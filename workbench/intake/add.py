@@ -17,13 +17,14 @@ from workbench.datafiles import data_directory, own_data_directory
 from workbench.errors import InputError
 from workbench.evidence import Dataset, datasets
 from workbench.evidence.catalogue import CATALOGUE, SYNTHETIC, datasets_in
-from workbench.intake.conversion import Converted, convert, names_in
-from workbench.intake.kinds import KINDS, Kind, kind_of, rows_of
+from workbench.intake.conversion import Converted, convert
+from workbench.intake.kinds import KINDS, Kind, kind_of, names_column, rows_of
 from workbench.intake.mapping import Mapping, check_stated, read_mapping
-from workbench.studs.reading import read_text
+from workbench.studs.reading import Examination, examined
 from workbench.studs.schema import Table
 from workbench.study.store import locked, write_atomically
 from workbench.study.tables import for_spreadsheets
+from workbench.tables import FOUND_OUT, Reading, read_cells
 
 _NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,59}")
 _MARK = "SYNTHETIC"
@@ -64,23 +65,27 @@ def add_table(
     into: Path | None = None,
     name: str | None = None,
     despite_doubts: bool = False,
+    how: Reading = FOUND_OUT,
 ) -> Added:
     """Add a table of tests to the data of the user.
 
-    Arguments: `path` of the CSV file and of its `mapping` file; `kind`, one of `KINDS`; `into`, the
+    Arguments: `path` of the table and of its `mapping` file; `kind`, one of `KINDS`; `into`, the
     folder (default: the one that the catalogue reads); `name` in the catalogue; `despite_doubts`,
-    take what looks absurd. Raises `InputError`, with nothing written.
+    take what looks absurd; `how` to read the table. Raises `InputError`, with nothing written.
     """
     statements = Mapping() if mapping is None else read_mapping(mapping)
     folder = own_data_directory() if into is None else into
     if folder.resolve().is_relative_to(data_directory().resolve()):
         text = "holds the data that come with the workbench, which are read only"
         raise InputError("--into", str(folder), text, "name another folder")
-    names = [*names_in(path), *(statements.columns or {}).values(), *(statements.constants or {})]
-    which = kind_of(names, kind or statements.kind)
-    converted = convert(path, KINDS[which].table, statements, _common(statements, KINDS[which]))
-    rows = _examined(converted, path, KINDS[which].table)
-    entry = _entry(path, which, statements, rows, converted)
+    mapped = {*(statements.columns or {}), *statements.ignore}
+    cells = read_cells(path, lambda name: name in mapped or names_column(name), how)
+    fixed = (*(statements.columns or {}).values(), *(statements.constants or {}))
+    which = kind_of([*cells.header, *fixed], kind or statements.kind)
+    converted = convert(cells, KINDS[which].table, statements, _common(statements, KINDS[which]))
+    found = _examined(converted, KINDS[which].table)
+    rows, notes = found.accept(), (*converted.notes, *found.notes[len(cells.notes) :])
+    entry = _entry(path, which, statements, rows, notes)
     entry = replace(entry, name=_name(name or statements.name, path), folder=str(folder))
     entry = replace(entry, file=f"{entry.name}.csv")
     if entry.role == SYNTHETIC:  # every output shows the name of the campaign
@@ -104,36 +109,35 @@ def add_table(
     read = folder.resolve() == own_data_directory().resolve()
     if already is not None:
         return Added(already, len(rows), (), (), True, read)
-    return Added(entry, len(rows), (*converted.notes, *kept), doubts, False, read)
+    return Added(entry, len(rows), (*notes, *kept), doubts, False, read)
 
 
 def _common(statements: Mapping, kind: Kind) -> dict[str, str]:
     """What the mapping says of all rows, as cells of the columns of the schema."""
-    role = statements.role
-    if role == SYNTHETIC and role not in kind.table.words("role"):
-        role = "verify"  # neither fitted nor validated by
-    given = {kind.source: statements.source, "licence": statements.licence, "role": role}
-    if "year" in kind.table.names and statements.year is not None:
-        given["year"] = str(statements.year)
-    if statements.role == SYNTHETIC and "origin" in kind.table.names:
+    given = {kind.source: statements.source, "licence": statements.licence, "role": statements.role}
+    if statements.role == SYNTHETIC:
         given["origin"] = SYNTHETIC
-    return {name: cell for name, cell in given.items() if cell is not None}
+        if "role" in kind.table.names and SYNTHETIC not in kind.table.words("role"):
+            given["role"] = "verify"  # neither fitted nor validated by
+    given["year"] = None if statements.year is None else str(statements.year)
+    known = set(kind.table.names)
+    return {name: cell for name, cell in given.items() if cell is not None and name in known}
 
 
-def _examined(converted: Converted, path: Path, table: Table) -> pd.DataFrame:
+def _examined(converted: Converted, table: Table) -> Examination:
     """The rows; a bad cell is named by the column of the file that it came from."""
-    rows = read_text(converted.text, table, path.name)
+    found = examined(converted.cells, table)
     problems = tuple(
         replace(problem, column=f"{problem.column} (from {converted.origin[problem.column]})")
         if problem.column in converted.origin
         else problem
-        for problem in rows.problems
+        for problem in found.problems
     )
-    return replace(rows, problems=problems).accept()
+    return replace(found, problems=problems)
 
 
 def _entry(
-    path: Path, which: str, statements: Mapping, rows: pd.DataFrame, converted: Converted
+    path: Path, which: str, statements: Mapping, rows: pd.DataFrame, notes: Sequence[str]
 ) -> Dataset:
     """The entry of the catalogue, still without a name. Raises `InputError`."""
     kind = KINDS[which]
@@ -171,7 +175,7 @@ def _entry(
         key=statements.key or "",
         kind=which,
         year=str(fields["year"]),
-        made="; ".join([made, *converted.notes])[:2000],
+        made="; ".join([made, *notes])[:2000],
     )
 
 

@@ -1,4 +1,4 @@
-"""A table of any header and units as text of a schema of the workbench, line by line.
+"""A table of any header and units in the form of a schema of the workbench, line by line.
 
 Columns are found by the mapping, by the name of the schema (``span_m``), or by that name without
 its unit or with another one (``span``, ``span_ft``). Every number that has a dimension must say its
@@ -6,20 +6,18 @@ unit: in the name, in brackets after the name, in a row of units, or in the mapp
 closed list per quantity, each with its value in SI.
 """
 
-import csv
-import io
 import re
 from collections.abc import Iterator
 from collections.abc import Mapping as Dictionary
 from dataclasses import dataclass
-from pathlib import Path
 from typing import NamedTuple
 
 from workbench.errors import InputError
 from workbench.fields import Number, did_you_mean
 from workbench.intake.mapping import Mapping
-from workbench.studs.reading import NUMBER, Problem, raw_rows, width_findings
+from workbench.studs.reading import Problem, width_findings
 from workbench.studs.schema import EXTRA, Column, Table
+from workbench.tables import Cells, text_of
 
 _BRACKETS = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]+)[\])]")
 _PURE = {"": 1.0, "-": 1.0, "1": 1.0, "%": 0.01}  # units of what has no dimension
@@ -44,12 +42,12 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True)
 class Converted:
-    """A table as `text` of a schema, on the lines that it had; `notes` say what was changed.
+    """A table as `cells` of a schema, on the lines that it had; `notes` say what was changed.
 
     `origin` gives the name in the table, with its unit, of columns that were converted or renamed.
     """
 
-    text: str
+    cells: Cells
     origin: dict[str, str]
     notes: tuple[str, ...]
 
@@ -68,51 +66,46 @@ def find(name: str, table: Table) -> Place | None:
     return None
 
 
-def names_in(path: Path) -> list[str]:
-    """The names in the header of a table. Raises `InputError`."""
-    return raw_rows(path)[0][1]
-
-
 def convert(
-    path: Path, table: Table, mapping: Mapping, constants: Dictionary[str, str]
+    cells: Cells, table: Table, mapping: Mapping, constants: Dictionary[str, str]
 ) -> Converted:
-    """The table of a file in the form of a schema.
+    """The cells of a table in the form of a schema.
 
-    Arguments: `constants`, cells of columns of the schema that the file lacks, beside those of the
+    Arguments: `constants`, cells of columns of the schema that the table lacks, beside those of the
     mapping. Raises `InputError` for columns and units that are not known.
     """
-    (line, names), *rows = raw_rows(path)
-    field = f"{path.name}, line {line}"
+    name, names, rows = cells.name, cells.header, cells.rows[1:]
+    field = f"{name}, line {cells.rows[0][0]}"
     _check_mapping(mapping, names)
     places = [place_of(name, table, mapping, field) for name in names]
     taken_by: dict[str, str] = {}
     for place in filter(None, places):
         if (first := taken_by.setdefault(place.target, place.name)) != place.name:
             raise InputError(field, place.name, f"is {place.target}, and so is {first}")
-    units = _unit_row(rows, places, mapping, path.name)
+    units = _unit_row(cells, places, mapping)
     if units is not None:
         rows = rows[1:]
     places = [
-        place and _scaled(place, unit, mapping, path.name)
+        place and _scaled(place, unit, mapping, name)
         for place, unit in zip(places, units or [""] * len(places), strict=True)
     ]
-    fixed = _constants(mapping, table, places)
+    fixed = _constants(mapping, table, places, cells.decimal)
     taken = {place.target for place in places if place} | set(fixed)
     fixed |= {name: cell for name, cell in constants.items() if name not in taken}
-    lines = {line: [place.target for place in places if place] + list(fixed)}
-    for line, cells in rows:
-        wrong = width_findings(cells, len(places))
+    header = [place.target for place in places if place] + list(fixed)
+    converted = [(cells.rows[0][0], header)]
+    for line, texts in rows:
+        wrong = width_findings(texts, len(places))
         if wrong:
-            raise Problem(path.name, line, *wrong[0]).error()
-        lines[line] = [
-            _cell(cell, place.factor, mapping.missing)
-            for cell, place in zip(cells, places, strict=True)
+            raise Problem(name, line, *wrong[0]).error()
+        values = [
+            _cell(text, place.factor, mapping.missing, cells)
+            for text, place in zip(texts, places, strict=True)
             if place
-        ] + list(fixed.values())
-    text = io.StringIO()
-    every = (lines.get(number, []) for number in range(1, max(lines) + 1))
-    csv.writer(text, lineterminator="\n").writerows(every)
-    return Converted(text.getvalue(), *_changes(filter(None, places), mapping))
+        ]
+        converted.append((line, values + list(fixed.values())))
+    origin, changes = _changes(filter(None, places), mapping)
+    return Converted(cells._replace(rows=converted), origin, (*cells.notes, *changes))
 
 
 def place_of(name: str, table: Table, mapping: Mapping, field: str) -> Place | None:
@@ -152,24 +145,23 @@ def _check_mapping(mapping: Mapping, names: list[str]) -> None:
                 raise InputError(f"mapping, {part}", name, text, advice)
 
 
-def _unit_row(
-    rows: list[tuple[int, list[str]]], places: list[Place | None], mapping: Mapping, name: str
-) -> list[str] | None:
+def _unit_row(cells: Cells, places: list[Place | None], mapping: Mapping) -> list[str] | None:
     """The units in the first row after the header, None if it holds a test."""
-    if not rows or mapping.unit_row is False:
+    if len(cells.rows) < 2 or mapping.unit_row is False:
         return None
-    line, cells = rows[0]
-    numbers = [
-        cell
-        for cell, place in zip(cells, places, strict=False)
+    line, texts = cells.rows[1]
+    of_numbers = [
+        text
+        for text, place in zip(texts, places, strict=False)
         if place and place.column and isinstance(place.column.rule, Number)
     ]
-    has_units = any(map(is_unit, numbers)) and not any(map(NUMBER.fullmatch, numbers))
-    if mapping.unit_row and (not has_units or len(cells) != len(places)):
-        raise InputError(f"{name}, line {line}", ",".join(cells), "is no row of units")
-    if not has_units or len(cells) != len(places):
+    has_units = any(map(is_unit, of_numbers))
+    has_units = has_units and not any(cells.number(text) is not None for text in of_numbers)
+    if mapping.unit_row and (not has_units or len(texts) != len(places)):
+        raise InputError(f"{cells.name}, line {line}", ",".join(texts), "is no row of units")
+    if not has_units or len(texts) != len(places):
         return None
-    return [spelled(cell) for cell in cells]
+    return [spelled(text) for text in texts]
 
 
 def _scaled(place: Place, in_row: str, mapping: Mapping, name: str) -> Place:
@@ -195,10 +187,13 @@ def _scaled(place: Place, in_row: str, mapping: Mapping, name: str) -> Place:
     return place._replace(unit=given or in_row or place.unit, factor=by)
 
 
-def _constants(mapping: Mapping, table: Table, places: list[Place | None]) -> dict[str, str]:
+def _constants(
+    mapping: Mapping, table: Table, places: list[Place | None], decimal: str
+) -> dict[str, str]:
     """Cells that the mapping gives for all rows, by column of the schema."""
     taken = {place.target: place.name for place in places if place}
     cells: dict[str, str] = {}
+    written = Cells("mapping", [], ".")
     for name, cell in (mapping.constants or {}).items():
         field = f"mapping, constants.{name}"
         place = find(name, table)
@@ -211,20 +206,23 @@ def _constants(mapping: Mapping, table: Table, places: list[Place | None]) -> di
         if column.unit and not place.unit:
             raise InputError(field, cell, "says no unit", f"write {column.name}")
         by = factor(place.unit, column.unit, field) if column.unit else None
-        cells[column.name] = _cell(cell, by, ())
+        text = _cell(cell, by, (), written)
+        number = isinstance(column.rule, Number)
+        cells[column.name] = text.replace(".", decimal) if number else text
     return cells
 
 
-def _cell(cell: str, by: float | None, missing: tuple[str, ...]) -> str:
+def _cell(cell: str, by: float | None, missing: tuple[str, ...], cells: Cells) -> str:
     """A cell in the unit of the schema; what is no number is left to the schema to refuse."""
     text = " ".join(cell.split())
     if by is None:
         return text
     if text in missing:
         return ""
-    if by == 1.0 or not NUMBER.fullmatch(text):
+    number = cells.number(text)
+    if by == 1.0 or number is None:
         return text
-    return repr(float(f"{float(text) * by:.12g}"))
+    return text_of(float(f"{number * by:.12g}"), cells.decimal)
 
 
 def _changes(places: Iterator[Place], mapping: Mapping) -> tuple[dict[str, str], tuple[str, ...]]:

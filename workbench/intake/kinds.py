@@ -8,17 +8,18 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.evidence import Dataset, datasets
-from workbench.evidence.catalogue import IMPACT_TESTS, STUD_TESTS
+from workbench.evidence.catalogue import IMPACT_TESTS, STUD_POINTS, STUD_TESTS
 from workbench.fields import Choice, did_you_mean
 from workbench.impact_tests import IMPACTS
 from workbench.impact_tests import suspicion as of_impacts
-from workbench.intake.conversion import convert, find, names_in
+from workbench.intake.conversion import convert, find
 from workbench.intake.mapping import Mapping
 from workbench.responses import Finding
 from workbench.studs import suspicion as of_studs
-from workbench.studs.reading import examine, read_text
+from workbench.studs.reading import examine, examined
 from workbench.studs.schema import POINTS, TESTS, Table
 from workbench.studs.tables import SHIPPED, same_contents
+from workbench.tables import FOUND_OUT, Reading, read_cells
 
 
 class Kind(NamedTuple):
@@ -56,6 +57,15 @@ KINDS = {
         "workbench run studs",
         "workbench fit stud-strength {path}",
     ),
+    STUD_POINTS: Kind(
+        POINTS,
+        "reference",
+        of_studs.suspicions_of_points,
+        lambda rows: [],
+        "as tabulated; the source states none",
+        "",
+        "workbench fit load-slip {path}",
+    ),
 }
 
 
@@ -74,26 +84,28 @@ def kind_of(columns: list[str], given: str | None) -> str:
     return best
 
 
-def check_file(path: Path) -> tuple[list[str], list[str]]:
-    """Problems and suspicions of a CSV file of your own, one sentence each.
+def names_column(text: str) -> bool:
+    """Whether a text names a column of any kind of table, whatever its unit."""
+    return any(find(text, kind.table) for kind in KINDS.values())
+
+
+def check_file(path: Path, how: Reading = FOUND_OUT) -> tuple[list[str], list[str], list[str]]:
+    """Problems, suspicions and notes of a table of your own, read as `how` says; sentences.
 
     Its columns tell whether it holds impact tests, points of load-slip curves or tests on studs.
     Raises `InputError` for a file that cannot be read at all.
     """
-    names = set(names_in(path))
+    cells = read_cells(path, names_column, how)
+    names = set(cells.header)
     columns = {each.column.name for n in names if (each := find(n, IMPACTS)) and each.column}
     if {"span_m", "velocity_m_per_s"} <= columns:
-        text = convert(path, IMPACTS, Mapping(), {}).text
-        examined = read_text(text, IMPACTS, path.name)
-        doubts = of_impacts.suspicions(examined.rows)
-    elif {"slip_mm", "load_kN"} <= names:
-        examined = examine(path, POINTS)
-        doubts = of_studs.suspicions_of_points(examined.rows)
+        kind, cells = KINDS[IMPACT_TESTS], convert(cells, IMPACTS, Mapping(), {}).cells
     else:
-        examined = examine(path, TESTS)
-        doubts = of_studs.suspicions(examined.rows)
-    problems = [str(problem.error()) for problem in examined.problems]
-    return problems, [each.text for each in doubts]
+        kind = KINDS[STUD_POINTS if {"slip_mm", "load_kN"} <= names else STUD_TESTS]
+    found = examined(cells, kind.table)
+    problems = [str(problem.error()) for problem in found.problems]
+    doubts = [each.text for each in kind.suspicions(found.rows)]
+    return problems, doubts, list(found.notes)
 
 
 def rows_of(entry: Dataset) -> pd.DataFrame:

@@ -6,10 +6,11 @@ by which models of studs and schemes of time integration are judged. Dimension `
 in an impact and `step` in a pushover.
 """
 
-import csv
 import hashlib
 from pathlib import Path
 from typing import NamedTuple
+
+from workbench.tables import records
 
 HISTORY = "history"
 
@@ -36,7 +37,7 @@ TABLE_DIGEST = hashlib.sha256(_OF_ALL.encode()).hexdigest()[:16]
 def _read(*of: str) -> dict[str, Variable]:
     return {
         row["name"]: Variable(tuple(row["dimensions"].split()), row["units"], row["meaning"])
-        for row in csv.DictReader(_TABLE.splitlines())
+        for row in records(_TABLE)
         if row["of"] in of
     }
 

@@ -12,8 +12,8 @@ from typing import ClassVar
 from workbench.datafiles import open_input
 from workbench.errors import InputError
 from workbench.fields import Choice, Declared, Many, Number, Text, checked
+from workbench.tables import FILES
 
-CSV = ".csv"
 ASKED = ("strength", "load-slip", "interaction", "residual-strength", "residual-stiffness")
 NAMES = Many(Text(), different=True)
 PROBLEMS = (
@@ -72,7 +72,7 @@ class StudTests(Declared, table="tests"):
     @property
     def files(self) -> tuple[str, ...]:
         """The CSV files among the tables, in order."""
-        return tuple(name for name in (*self.tables, *self.curves) if name.endswith(CSV))
+        return tuple(name for name in (*self.tables, *self.curves) if name.endswith(FILES))
 
 
 def _digest(path: Path) -> str:

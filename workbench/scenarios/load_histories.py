@@ -8,8 +8,8 @@ from scipy.optimize import brentq
 from workbench.arrays import Array
 from workbench.errors import InputError
 from workbench.fields import Number
-from workbench.point_tables import read_points
 from workbench.scenarios.pulse import TABLE, Pulse
+from workbench.tables import read_points
 
 MISSILE = {
     "station_m": Number(0.0, 1e3, "m"),
@@ -22,7 +22,7 @@ _AT, _WEIGHT = np.polynomial.legendre.leggauss(5)
 
 
 def missile_of(data: bytes, name: str) -> Array:
-    """Points (n, 3) of a CSV file of a missile, see `missile_pulse`. Raises `InputError`."""
+    """Points (n, 3) of a table of a missile, see `missile_pulse`. Raises `InputError`."""
     return read_points(data, name, "missile", MISSILE, 2)[0]
 
 

@@ -1,6 +1,5 @@
 """Sections by catalogue name, from dimensions in Python, and from values of a scenario file."""
 
-import csv
 import difflib
 import inspect
 import re
@@ -22,6 +21,7 @@ from workbench.sections.shapes import (
     RectangularTube,
     Shape,
 )
+from workbench.tables import records
 
 _LONGEST = 40  # characters of a name
 _HOLLOW = re.compile(r"(RHS|SHS|CHS)[\s_-]*((?:[\d.]{1,8}\s*[x×*]\s*){1,2}[\d.]{1,8})", re.I)
@@ -36,11 +36,10 @@ def profiles() -> MappingProxyType[str, ISection]:
     """Read all profiles of the catalogue, in the order of the files, by name."""
     shapes = {}
     for table in _TABLES:
-        with (data_directory() / "profiles" / table).open(encoding="utf-8", newline="") as file:
-            for row in csv.DictReader(file):
-                # Moving the decimal point in the text keeps the nearest number: 3.8 mm is 0.0038 m.
-                metres = (float(f"{row[f'{dimension}_mm']}e-3") for dimension in _DIMENSIONS)
-                shapes[row["name"]] = ISection(*metres)
+        for row in records((data_directory() / "profiles" / table).read_text(encoding="utf-8")):
+            # Moving the decimal point in the text keeps the nearest number: 3.8 mm is 0.0038 m.
+            metres = (float(f"{row[f'{dimension}_mm']}e-3") for dimension in _DIMENSIONS)
+            shapes[row["name"]] = ISection(*metres)
     return MappingProxyType(shapes)
 
 

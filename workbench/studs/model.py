@@ -17,7 +17,7 @@ from workbench.models.base import Answering
 from workbench.responses import Finding, Response, build_response, finding
 from workbench.responses.uncertainty import SAMPLED
 from workbench.scenarios import Scenario
-from workbench.scenarios.laboratory import CSV, StudTests
+from workbench.scenarios.laboratory import StudTests
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import Fit, Judgement, Tables, answer_tables, plain
 from workbench.studs.interaction import combined_tests
@@ -33,6 +33,7 @@ from workbench.studs.tables import (
     split_table,
     table_schemas,
 )
+from workbench.tables import FILES
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ def load_split(scenario: StudTests) -> Split:
 def _joined(names: Sequence[str], schema: Table) -> pd.DataFrame:
     tables = []
     for name in names:
-        if name.endswith(CSV):
+        if name.endswith(FILES):
             tables.append(examine(name, schema).accept())
             continue
         schemas = table_schemas()

@@ -5,17 +5,16 @@ row per specimen, `POINTS` the points of measured curves; `columns.csv` beside t
 their columns. An empty cell means that the quantity was not reported; it never means zero.
 """
 
-import csv
 import tomllib
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from math import isnan, pi
 from pathlib import Path
 from typing import NamedTuple
 
 from workbench.fields import Choice, Number, Text
+from workbench.tables import COMMENT, records
 
-COMMENT = "#"  # begins a line above the header that is not read
 EXTRA = "x_"  # columns of the user's own begin with this and are kept as they are
 NO_PREDAMAGE = "none"
 HEADED = "headed stud"
@@ -60,13 +59,16 @@ class Column:
 class Table:
     """A kind of table: its columns, and the columns that together must not repeat (or none).
 
-    `rules` gives the contradictions within a row whose single cells are in order.
+    `rules` gives the contradictions within a row whose single cells are in order; `complete` fills
+    cells that others tell, and says so; `assumed`, what stands for a column that no row tells.
     """
 
     name: str
     columns: tuple[Column, ...]
     key: tuple[str, ...] = ()
     rules: Callable[[Row], Iterator[RowFinding]] = lambda row: iter(())
+    complete: Callable[[Row], Iterable[str]] = lambda row: ()
+    assumed: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -85,11 +87,10 @@ class Table:
 
 def declared(table: str, path: Path) -> tuple[Column, ...]:
     """The columns of a table that a file such as ``columns.csv`` declares."""
-    with path.open(encoding="utf-8", newline="") as stream:
-        rows = [row for row in csv.DictReader(stream) if row["table"] == table]
     return tuple(
         Column(row["name"], row["meaning"], _rule(row), row["needed"] == "yes", row["default"])
-        for row in rows
+        for row in records(path.read_text(encoding="utf-8"))
+        if row["table"] == table
     )
 
 
@@ -129,6 +130,14 @@ QUANTITIES = {  # of which damage leaves a share: column, and that of the undama
 }
 
 
+def _shear_of_total(row: Row) -> Iterator[str]:
+    """The shear of a stud from the load of a push-out specimen, where the row has that alone."""
+    total, studs = known(row, "total_load_kN"), known(row, "n_studs")
+    if total and studs and row["test"] == "push-out" and known(row, "shear_kN") is None:
+        row["shear_kN"] = total / studs
+        yield "shear_kN is computed as total_load_kN / n_studs"
+
+
 def _contradictions(row: Row) -> Iterator[RowFinding]:
     yield from _results(row)
     yield from _sizes(row)
@@ -142,12 +151,10 @@ def known(row: Row, column: str) -> float | None:
 
 
 def _results(row: Row) -> Iterator[RowFinding]:
-    if known(row, "strength_over_nominal") is None:
-        for column in _MEASURED.get(str(row["test"]), _LOADS):
-            if known(row, column) is None:
-                yield column, "", f"must be given for a {row['test']} test", ""
-    elif not row.get("nominal_model"):
-        yield "nominal_model", "", "must name the formula of strength_over_nominal", ""
+    for column in _MEASURED.get(str(row["test"]), _LOADS):
+        if known(row, column) is None:
+            advice = "or total_load_kN with n_studs" * (column == "shear_kN")
+            yield column, "", f"must be given for a {row['test']} test", advice
     shear, studs, total = (known(row, c) for c in ("shear_kN", "n_studs", "total_load_kN"))
     if shear and studs and total and abs(shear * studs / total - 1.0) > TOTAL_TOLERANCE:
         advice = f"{studs:g} studs of {shear:g} kN make {shear * studs:.4g} kN"
@@ -228,7 +235,14 @@ def _predamage(row: Row) -> Iterator[RowFinding]:
 
 
 _COLUMNS = Path(__file__).with_name("columns.csv")
-TESTS = Table("tests", declared("tests", _COLUMNS), ("campaign", "specimen"), _contradictions)
+TESTS = Table(
+    "tests",
+    declared("tests", _COLUMNS),
+    ("campaign", "specimen"),
+    _contradictions,
+    _shear_of_total,
+    USUAL,
+)
 POINTS = Table("points", declared("points", _COLUMNS))
 
 

@@ -4,7 +4,7 @@ The logarithm of test over prediction is regressed: ln(P / P_model) = ln b + sum
 + u_campaign + e. So b is the median ratio, c_k an exponent that the formula misses in variable x_k.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar
@@ -193,6 +193,7 @@ def fit_strength(
     }
     given = _problem(tests, chosen, tuple(trends), reference)
     estimate = fit_robust(given, loss)
+    missing_exponents = dict(zip(trends, estimate.theta[1:].tolist(), strict=True))
     left_out: tuple[LeftOut, ...] = ()
     others = given.count - max(np.bincount(given.groups))  # than those of the largest campaign
     if given.campaigns > 1 and others > len(given.names):
@@ -207,7 +208,7 @@ def fit_strength(
         model=chosen,
         fitted=fitted(estimate, ("bias",), confidence=confidence),
         left_out=left_out,
-        d8=_d8(tests, chosen, reference, variations, specified_strength),
+        d8=_d8(tests, chosen, reference, variations, specified_strength, missing_exponents),
         reference=reference,
         new_campaign_factor=new,
         measurement=measurement_of(kept, chosen.load),
@@ -219,7 +220,7 @@ def fit_strength(
         rows=_rows(kept, tests, chosen),
         findings=(
             *(each for each in suspicions(table) if each.subject != "outlier"),  # by the fit itself
-            *slab_findings(table, kept, slab, chosen.load),
+            *slab_findings(table, kept, slab, chosen),
             *outlier_findings(estimate, kept, lambda ratio: float(np.exp(ratio))),
             *([finding("stud-without-value", **unknown)] if missing else []),
             *strength_findings(kept, tests, chosen, given),
@@ -257,15 +258,24 @@ def _d8(
     reference: dict[str, float],
     variations: Mapping[str, float],
     specified_strength: float | None,
+    exponents: Mapping[str, float],
 ) -> D8:
+    """EN 1990 D.8 of a formula with its fitted `exponents`; the nominal value is of a code."""
     means = {name: reference[name] for name in variations if np.isfinite(reference[name])}
+
+    def corrected(of: Specimens) -> Array:
+        powers = _design(of, tuple(exponents), reference)[:, 1:] @ [*exponents.values()]
+        return np.asarray(model.of(of) * np.exp(powers))
+
     whole = model.of(replace(tests, decks=None))
     reduction = float(np.exp(np.mean(np.log(model.of(tests) / whole))))  # by decks
 
-    def resistance(x: Mapping[str, float], formula: Formula = model) -> float:
+    def resistance(
+        x: Mapping[str, float], formula: Callable[[Specimens], Array] = corrected
+    ) -> float:
         sizes = {name: np.array([{**reference, **x}[name]]) for name in _SIZES}
         stud = replace(tests, decks=None, free_width=np.array([np.nan]), **sizes)
-        return reduction * float(formula.of(stud)[0])
+        return reduction * float(formula(stud)[0])
 
     steel_known = np.isfinite(reference["ultimate_strength"])
     itself = model.characteristic or not steel_known or model.load == "tension"
@@ -277,10 +287,10 @@ def _d8(
             steel = {}
             if specified_strength is not None:
                 steel["ultimate_strength"] = min(specified_strength, LARGEST_SPECIFIED)
-            nominal = resistance({"concrete_strength": specified, **steel}, code)
+            nominal = resistance({"concrete_strength": specified, **steel}, code.of)
     return evaluate_d8(
         tests.quantity(model.load),
-        model.of(tests),
+        corrected(tests),
         variations={name: variations[name] for name in means},
         sensitivities=sensitivities_of(resistance, means),
         resistance=resistance({}),

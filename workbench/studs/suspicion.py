@@ -40,6 +40,7 @@ METRES, INCHES = 0.1, 0.5  # mm, below which slips of a campaign look like anoth
 HIGHER = 1.05  # median of damaged over undamaged, above which columns look swapped
 LEAST_ROWS, MOST_ROWS = 3, 5000  # that show a pattern; in which single tests are looked at
 FEW_CAMPAIGNS = 5
+EUROPEAN_DENSITY = 2200.0  # kg/m3, of eta_E = (w / 2200)^2, EN 1992-1-1, 11.3.2 (recalled)
 
 
 def suspicions(table: pd.DataFrame) -> list[Finding]:
@@ -165,20 +166,39 @@ def strength_findings(
         yield finding("stud-no-design-factor", count=given.count, least=LEAST_FOR_DESIGN)
     if measurement_of(kept, model.load) is None:
         yield finding("stud-no-measurement")
-    computed = ~tests.modulus_measured
-    if computed.any() and model.powers[-1]:
-        european = 22e9 * (tests.concrete_strength[computed] / 10e6) ** 0.3
-        more = 100.0 * (european / tests.concrete_modulus[computed] - 1.0)
-        low, high = float(np.min(more)), float(np.max(more))
-        words = f"{low:.0f} %" if high - low < 1.0 else f"{low:.0f} to {high:.0f} %"
-        yield finding("stud-computed-modulus", count=int(computed.sum()), more=words)
+    if model.powers[-1]:
+        yield from _computed_moduli(tests)
+
+
+def _computed_moduli(tests: Specimens) -> Iterator[Finding]:
+    """Moduli that are computed, of normal and of lightweight concrete, against EN 1992-1-1."""
+    light, strength = tests.where("lightweight"), tests.concrete_strength
+    european = 22e9 * (strength / 10e6) ** 0.3
+    lighter = european * (tests.density / EUROPEAN_DENSITY) ** 2
+    kinds = (
+        (~light, european, "4733 sqrt(fc) MPa", "22 (fc/10)^0.3 GPa"),
+        (light, lighter, "0.043 w^1.5 sqrt(fc) MPa", "22 (fc/10)^0.3 (w/2200)^2 GPa"),
+    )
+    for of_kind, other, formula, compared in kinds:
+        rows = of_kind & ~tests.modulus_measured
+        if rows.any():
+            more = 100.0 * (other / tests.concrete_modulus - 1.0)[rows]
+            low, high = float(np.min(more)), float(np.max(more))
+            ends = (f"{abs(end):.0f} % {'more' if end > 0.0 else 'less'}" for end in (low, high))
+            raises = "raise" if low > 0.0 else "lower" if high < 0.0 else "change"
+            words = f"{' to '.join(dict.fromkeys(ends))} and would {raises}"
+            which: dict[str, Any] = {"formula": formula, "other": compared, "more": words}
+            yield finding("stud-computed-modulus", count=int(rows.sum()), **which)
 
 
 def slab_findings(
-    table: pd.DataFrame, kept: pd.DataFrame, slab: str, load: str
+    table: pd.DataFrame, kept: pd.DataFrame, slab: str, model: Formula
 ) -> Iterator[Finding]:
-    """Tests in the other kind of slab that are left out; what is assumed of the decks of others."""
-    every = undamaged_headed_studs(table, "any", load)
+    """Tests in the other kind of slab that are left out; what is assumed of the decks of others.
+
+    Of the latter what the rule of the `model` uses.
+    """
+    every = undamaged_headed_studs(table, "any", model.load)
     others = every[profiled(every) == (slab == "solid")]
     if slab != "any" and len(others):
         kind, other = ("profiled decks", "deck") if slab == "solid" else ("solid slabs", "solid")
@@ -187,12 +207,11 @@ def slab_findings(
             "stud-other-slabs", float(len(others)), other=other, names=named(others), **which
         )
     in_deck = kept[profiled(kept)]
-    usual = {
-        "deck_thickness_mm": "a sheet of up to 1 mm",
-        "studs_per_rib": "one stud",
-        "deck_fixing": "welded through",
-        "deck_stud_position_mm": "weak (AISC R_p 0.6)",
-    }
+    usual = {"studs_per_rib": "one stud"}
+    if model.deck_rule == "en1994":
+        usual |= {"deck_thickness_mm": "a sheet of up to 1 mm", "deck_fixing": "welded through"}
+    elif model.deck_rule == "aisc360":
+        usual |= {"deck_stud_position_mm": "weak (AISC R_p 0.6)"}
     counts = {name: int((in_deck[name].isna() | (in_deck[name] == "")).sum()) for name in usual}
     assumed = [f"{name} of {n} tests: {usual[name]}" for name, n in counts.items() if n]
     if assumed:

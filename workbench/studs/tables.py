@@ -8,7 +8,7 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.evidence import Dataset, dataset, datasets
-from workbench.evidence.catalogue import STUD_TESTS
+from workbench.evidence.catalogue import STUD_POINTS, STUD_TESTS
 from workbench.fields import Choice, did_you_mean
 from workbench.studs.quantities import Array
 from workbench.studs.reading import examine
@@ -30,15 +30,16 @@ def shipped(name: str) -> pd.DataFrame:
     return examine(dataset(name).path, schemas[name]).accept()
 
 
-def added() -> tuple[Dataset, ...]:
-    """The tables of tests that the user has added to the catalogue."""
-    entries = datasets()
-    return tuple(e for e in entries if e.kind == STUD_TESTS and e.name not in SHIPPED)
+def added(kind: str = STUD_TESTS) -> tuple[Dataset, ...]:
+    """The tables of tests, or of another `kind`, that the user has added to the catalogue."""
+    return tuple(e for e in datasets() if e.kind == kind and e.name not in SHIPPED)
 
 
 def table_schemas() -> dict[str, Table]:
     """The schema of every table on studs in the catalogue, by its name."""
-    return {**SHIPPED, **{entry.name: TESTS for entry in added()}}
+    kinds = {STUD_TESTS: TESTS, STUD_POINTS: POINTS}
+    own = {entry.name: schema for kind, schema in kinds.items() for entry in added(kind)}
+    return {**SHIPPED, **own}
 
 
 def check_tables() -> list[str]:

@@ -77,8 +77,7 @@ def table_bytes(table: pd.DataFrame, ending: str) -> bytes:
 
 
 def workbook_bytes(tables: Tables) -> bytes:
-    """Tables as sheets of one workbook. Raises `InputError` without its library."""
-    check_library("xlsx", "format")
+    """Tables as sheets of one workbook."""
     buffer = io.BytesIO()
     with pd.ExcelWriter(buffer, engine="openpyxl") as book:
         for name, table in tables.items():

@@ -1,4 +1,4 @@
-"""A resistance curve that the user gives, from tests or a finer model: points in a CSV file.
+"""A resistance curve that the user gives, from tests or a finer model: points in a table.
 
 Crawford et al., Lee et al. and Yu and Guo move one mass on such curves (Heng 2017, chapter 4).
 Between its points the curve is straight and may soften; behind its last one nothing is known.
@@ -28,12 +28,12 @@ from workbench.models.resistance.curve import (
 )
 from workbench.models.resistance.shapes import RESISTANCES
 from workbench.models.strain_rate import rate_factor
-from workbench.point_tables import read_points
 from workbench.scenarios import ColumnImpact, ColumnScenario
+from workbench.tables import FILES, read_points
 
 GIVEN = "given"  # shape of such a curve
 _COLUMNS = {"displacement_m": Number(0.0, 1e3, "m"), "force_N": Number(0.0, 1e12, "N")}
-_FIELD, _SUFFIX = "option.resistance", ".csv"
+_FIELD = "option.resistance"
 _LARGEST = 1_000_000  # bytes
 PANEL = "panel"
 SHAPES = (*RESISTANCES, PANEL)
@@ -43,7 +43,7 @@ _STRAIGHT = 1e-3  # share of the force by which the curve leaves its first slope
 
 def is_given(shape: str) -> bool:
     """Whether the name of a shape is that of a file."""
-    return isinstance(shape, str) and shape.endswith(_SUFFIX)
+    return isinstance(shape, str) and shape.endswith(FILES)
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Resistance(Choice):
     """A shape of the resistance out of a list, or a CSV file of points, which is read."""
 
     def _allowed(self) -> str:
-        return f"{super()._allowed()}, or the name of a {_SUFFIX} file of points"
+        return f"{super()._allowed()}, or the name of a {FILES[0]} file of points"
 
     def check(self, path: str, value: object) -> object:
         """Return the value, or raise `InputError` naming `path`, or the line of the file."""

@@ -1,7 +1,6 @@
 """Pages on studs: the template ``studs.jinja`` over the tables of fits and of stored answers.
 
-The words and the columns of the tables stand in the template; what is left to code is the shape of
-the tables.
+Words and columns stand in the template; what is left to code is the shape of the tables.
 """
 
 from collections import defaultdict
@@ -20,14 +19,11 @@ from workbench.studs.fit_protocol import Tables, ranked
 from workbench.studs.formulas import FORMULAS
 from workbench.studs.load_slip import LAWS
 from workbench.studs.relations import ANCHORED, RELATIONS
-from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
 
 Head = Mapping[str, Any]  # what was asked of a fit
+Row = dict[str, Any]
 LEVELS = (0.25, 0.5, 0.75, 1.0)  # of damage
 _GRADE_WIDTH = 30  # characters of a line
-
-
-Row = dict[str, Any]
 
 
 def records(table: pd.DataFrame) -> list[Row]:
@@ -113,21 +109,16 @@ def _column(title: str, source: Any, form: Any = "", width: float = 1.0) -> Colu
 
 
 def _shown(tables: Tables) -> Tables:
-    """Tables as they are read: units of the trade, no design value where EN 1990 has no factor."""
+    """Tables as they are read, in units of the trade."""
     shown, fit = dict(tables), tables.get("fit", pd.DataFrame())
-    if "d8" in shown:
-        few = shown["d8"]["count"] < LEAST_FOR_DESIGN
-        values = ["r_d", "gamma_m", "gamma_m_star"]
-        shown["d8"] = shown["d8"].assign(**shown["d8"][values].astype(float).mask(few))
-        if "model" in fit:
-            shown["d8"] = shown["d8"].merge(fit[["of", "model"]].drop_duplicates("of"), on="of")
-            shown["trends"] = shown["parameters"].query("parameter != 'bias'")
+    if "d8" in shown and "model" in fit:
+        shown["d8"] = shown["d8"].merge(fit[["of", "model"]].drop_duplicates("of"), on="of")
+        shown["trends"] = shown["parameters"].query("parameter != 'bias'")
     if "factor" in shown.get("parameters", ()):
         free = shown["parameters"].query("sigma == sigma")
         scaled = free[["value", "low", "high"]].astype(float).div(free["factor"], axis=0)
         unit = free["unit"].map(lambda unit: f" ({unit})" if unit else "")
-        words = free["parameter"].str.replace("_", " ") + unit
-        free = free.assign(**scaled, words=words)
+        free = free.assign(**scaled, words=free["parameter"].str.replace("_", " ") + unit)
         shown["laws"] = free.merge(fit[["of", "median_rms"]].drop_duplicates("of"), on="of")
     if "design" in shown:
         shown["design"] = shown["design"].assign(last=~shown["design"]["of"].duplicated("last"))
@@ -188,21 +179,18 @@ def _left_table(tables: Tables, graded: bool) -> Table | None:
 # -- the pages of a fit --------------------------------------------------------------------------
 
 
-def _warnings(tables: Tables) -> list[str]:
-    """Every warning once, the decisive ones first; those of some alone are said to be theirs."""
+def _warnings(tables: Tables) -> dict[str, list[str]]:
+    """Every warning once, the decisive ones first, by the answers that it is of ("": of all)."""
     if "findings" not in tables:
-        return []
+        return {}
     owners: dict[Finding, list[str]] = {}
     for row in records(tables["findings"]):
         owners.setdefault(Finding.from_dict(row), []).append(row["of"])
-    count = tables["fit"]["of"].nunique()
-    common = ranked(each for each, names in owners.items() if len(set(names)) == count)
-    single = ranked(each for each in owners if each not in common)
-    names = ("; ".join(dict.fromkeys(owners[each])) for each in single)
-    return [
-        *map(str, common),
-        *(f"{name}: {each}" for name, each in zip(names, single, strict=True)),
-    ]
+    count, warnings = tables["fit"]["of"].nunique(), {"": list[str]()}
+    for each in ranked(owners):
+        names = dict.fromkeys(owners[each])
+        warnings.setdefault("" if len(names) == count else "; ".join(names), []).append(str(each))
+    return warnings
 
 
 def of_fit(part: str, head: Head, tables: Tables, **values: Any) -> tuple[Block, ...]:

@@ -120,6 +120,8 @@ _COLORS = {True: "#009e73", False: "#d55e00"}
 # tests or a prediction behind it
 _BANDS = {True: "band of a new test", False: "range over what is assumed"}
 _NONE = pd.DataFrame(columns=["campaign"])
+_ABREAST, _ROW = 2, 2.45  # panels side by side that leave room for grades; inches of a row
+_LETTERS = 76  # of titles and grades across the page
 AXES = {
     "displacement ratio": "uplift over the uplift at failure",
     "load ratio": "tension over the pull-out resistance",
@@ -132,7 +134,7 @@ AXES = {
 def left(source: studs.Source) -> Drawing:
     """A row for each case, or quantity of fits, and a column for each label, or stud of fits.
 
-    Every panel carries its grade.
+    Of more than two labels the panels follow each other, two abreast. Every one has its grade.
     """
     answers = []
     for case, label, tables in studs.answered(source, "curve", "left"):
@@ -144,17 +146,25 @@ def left(source: studs.Source) -> Drawing:
         return nothing("No residual capacity has been answered in these cases.")
     cases = list(dict.fromkeys(case for case, *_ in answers))
     labels = list(dict.fromkeys(label for _, label, *_ in answers))
-    sheet = Sheet.table(len(cases), len(labels), 2.55 * len(cases) + 0.6, sharey="row")
+    rows, columns = len(cases), len(labels)
+    below = columns > _ABREAST >= rows
+    if below:
+        answers.sort(key=lambda answer: labels.index(answer[1]))
+        rows, columns = -(-len(answers) // _ABREAST), _ABREAST
+    count, shared = (len(answers), "none") if below else (rows * columns, "row")
+    sheet = Sheet.table(rows, columns, _ROW * rows + 0.6, count=count, sharey=shared)
+    letters = _LETTERS // columns
     tests = [tables.get("tests", _NONE) for *_, tables in answers]
     looks = studs.campaign_looks(pd.concat(tests)["campaign"], filled=True)
-    for case, label, fit, tables in answers:
-        panel = sheet.panels[cases.index(case) * len(labels) + labels.index(label)]
-        sheet.record(case=case, label=label, **_left_panel(panel, fit, tables["curve"]))
+    for order, (case, label, fit, tables) in enumerate(answers):
+        at = order if below else cases.index(case) * columns + labels.index(label)
+        panel = sheet.panels[at]
+        sheet.record(case=case, label=label, **_left_panel(panel, fit, tables["curve"], letters))
         studs.draw_tests(panel, tables.get("tests", _NONE), "level", "ratio", looks)
         panel.set_xlabel(AXES.get(fit["measure"], f"damage ({fit['measure']})"))
-        if case == cases[0]:
-            panel.set_title(label, loc="left")
-        if label == labels[0]:
+        if below or case == cases[0]:
+            panel.set_title("\n".join(textwrap.wrap(label, letters)), loc="left")
+        if below or label == labels[0]:
             panel.set_ylabel(f"{fit['quantity']} left")
         sentence = _left_sentence(fit, tables["curve"])
         sheet.notes += [] if sentence in sheet.notes else [sentence]
@@ -169,8 +179,8 @@ def left(source: studs.Source) -> Drawing:
     return sheet.finish(f"residual capacity of a stud against damage: {', '.join(cases)}")
 
 
-def _left_panel(panel: Axes, fit: pd.Series, curve: pd.DataFrame) -> dict[str, Any]:
-    """The curve with its band and its grade; returns what was drawn."""
+def _left_panel(panel: Axes, fit: pd.Series, curve: pd.DataFrame, letters: int) -> dict[str, Any]:
+    """The curve with its band and its grade in lines of so many letters; returns what was drawn."""
     color, tested = _COLORS[bool(fit["validated"])], curve[~curve["extrapolated"].astype(bool)]
     beyond = curve[curve["level"] >= tested["level"].max()]
     studs.draw_band(panel, tested, "level", "left", color)
@@ -179,7 +189,7 @@ def _left_panel(panel: Axes, fit: pd.Series, curve: pd.DataFrame) -> dict[str, A
         panel.axvline(float(tested["level"].max()), color=INK, linewidth=0.5, linestyle="--")
     panel.axhline(1.0, color=INK, linewidth=0.6, zorder=2)
     panel.set(xlim=(0.0, float(curve["level"].max())), ylim=(0.0, 1.25))
-    grade = "\n".join(textwrap.wrap(fit["grade"], 44, break_on_hyphens=False))
+    grade = "\n".join(textwrap.wrap(fit["grade"], letters, break_on_hyphens=False))
     framed(panel, 0.03, 0.05, grade, color, fontsize=7.0, fontweight="bold")
     return {name: curve[name] for name in ("level", "left", "low", "high")}
 

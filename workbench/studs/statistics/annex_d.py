@@ -54,7 +54,8 @@ class D8:
     variables, `V_r` in all; `Q`, `Q_rt`, `Q_delta` and weights `alpha_rt`, `alpha_delta`; factors
     `k_n`, `k_dn`; theoretical resistance at mean values `r_m` (N); `r_k`, `r_d` (N);
     `gamma_m`, r_k / r_d; nominal resistance `r_nominal` (N, or None) and `gamma_m_star`,
-    r_nominal / r_d (or None).
+    r_nominal / r_d (or None). Below `LEAST_FOR_DESIGN` tests the standard has no factor of the
+    design value: `k_dn`, `r_d` and both factors are None.
     """
 
     count: int
@@ -69,11 +70,11 @@ class D8:
     alpha_rt: float
     alpha_delta: float
     k_n: float
-    k_dn: float
+    k_dn: float | None
     r_m: float
     r_k: float
-    r_d: float
-    gamma_m: float
+    r_d: float | None
+    gamma_m: float | None
     r_nominal: float | None
     gamma_m_star: float | None
 
@@ -127,6 +128,8 @@ def evaluate_d8(
         scattered = f"{n} tests whose logarithms scatter by {s_delta:.3g}"
         raise InputError("table", scattered, "leave no design value by EN 1990 D.8")
     scatters = (s_delta, v_delta, v_rt, v_r, q, q_rt, q_delta, alpha_rt, alpha_delta)
+    if n < LEAST_FOR_DESIGN:
+        return D8(n, b, *scatters, k_n, None, r_m, r_k, None, None, nominal, None)
     star = None if nominal is None else nominal / r_d
     return D8(n, b, *scatters, k_n, k_dn, r_m, r_k, r_d, r_k / r_d, nominal, star)
 
