@@ -316,9 +316,9 @@ def _findings(points: pd.DataFrame, curves: pd.DataFrame) -> Iterator[Finding]:
     rows = rows[rows["branch"] != points["branch"][rows.index]]
     for branch, key in (("later loading", "stud-load-cycles"), ("post-peak", "stud-falls")):
         changed = rows[rows["branch"] == branch]
-        if count := len(changed):
+        if len(changed):
             named = changed[["campaign", "specimen"]].drop_duplicates()
-            yield finding(key, count=count, curves=len(named))
+            yield finding(key, count=len(changed), curves=len(named))
     near, stuck = curves["near_interpolation"].sum(), (curves["at_bound"] != "").sum()
     for key, count in (("stud-curve-points", near), ("stud-curve-bounds", stuck)):
         if count:

@@ -156,7 +156,9 @@ def strength_findings(
         yield finding("stud-shank", count=above, tests=len(tests))
     if given.count == given.campaigns > 1:
         yield finding("stud-single-tests")
-    if given.campaigns < FEW_CAMPAIGNS:
+    if given.between is not None:
+        yield finding("stud-known-between", given.between, between=given.between)
+    elif given.campaigns < FEW_CAMPAIGNS:
         key = {1: "stud-one-campaign", 2: "stud-two-campaigns"}.get(
             given.campaigns, "stud-few-campaigns"
         )
