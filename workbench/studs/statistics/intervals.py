@@ -24,7 +24,7 @@ import numpy as np
 
 from workbench.errors import SolverError
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.mixed import best_ratio, criteria_at, criterion_of, freedom, line_at
+from workbench.studs.statistics.mixed import best_ratio, criteria_at, criterion_of, line_at
 from workbench.studs.statistics.problem import Estimate, Indices, Problem, jacobian, whiten
 
 LEAST_FREEDOM = 1.0
@@ -80,7 +80,7 @@ def freedom_of(estimate: Estimate, name: str) -> float:
     if given.campaigns == 2 and variance(1.0, 1.0) > MOVED * variance(1.0, 0.0):
         return LEAST_FREEDOM  # one difference of campaigns is all that tells of them
     if not given.tells_campaigns or t2 <= 1e-8 * s2:
-        return freedom(given, len(free))
+        return given.freedom(len(free))
 
     indicator = (given.groups[:, None] == np.arange(given.campaigns)).astype(float)
     between, within = indicator @ indicator.T, np.diag(1.0 / given.weights)
@@ -192,7 +192,7 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
         ends = np.interp(tails, np.cumsum(known.weight[place]), below)
         return {"sigma": Interval(*map(float, ends)), "tau": Interval(*(given.between,) * 2)}
     free = np.flatnonzero(~estimate.at_bound)
-    m, several = freedom(given, len(free)), given.campaigns > 1
+    m, several = given.freedom(len(free)), given.campaigns > 1
     # at the best parameters, with r = tau / sigma: rest(r) + m ln(sigma^2) + size(r) / sigma^2
     r = np.concatenate([[0.0], np.geomspace(0.02, LARGEST_RATIO, RATIOS)])[: None if several else 1]
     values, variance = criteria_at(given, r * r, estimate.theta, free)
@@ -287,7 +287,7 @@ def mixture_of(estimate: Estimate) -> Mixture:
     kept = weight > NEGLIGIBLE * weight.max()
     theta = np.tile(estimate.theta, (int(kept.sum()), 1))
     theta[:, free] = best[kept]
-    nu = freedom(given, len(free)) if given.between is None else np.inf
+    nu = given.freedom(len(free)) if given.between is None else np.inf
     return Mixture(
         weight[kept] / weight[kept].sum(), theta, np.tile(r, len(growths))[kept], variance[kept],
         inverse[kept], np.full(int(kept.sum()), nu), np.repeat(growths, len(r))[kept], top,

@@ -63,21 +63,15 @@ def solve_theta(given: Problem, ratio: float, start: Array, free: Indices) -> So
 
 
 def _solve_linear(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:
-    theta, ((best,), (size,), (normal,)) = (
-        start.copy(),
-        line_at(given, np.array([ratio]), start, free),
-    )
-    theta[free] = best
-    return Solved(theta, max(float(size), 0.0), normal, np.zeros(len(free), bool))
+    theta, (best, size, normal) = start.copy(), line_at(given, np.full(1, ratio), start, free)
+    theta[free] = best[0]
+    return Solved(theta, max(float(size[0]), 0.0), normal[0], np.zeros(len(free), bool))
 
 
 def line_at(
     given: Problem, ratios: Array, start: Array, free: Indices
 ) -> tuple[Array, Array, Array]:
-    """Of a linear problem for many lambda (k,), all at once.
-
-    Best parameters (k, free), whitened sums of squares (k,) and normal matrices (k, free, free).
-    """
+    """Best parameters (k, free), sums of squares (k,), normal matrices of a line for many lambda."""
     assert given.moments is not None
     cross, sums, totals = given.moments
     shrink = ratios[:, None] / (1.0 + ratios[:, None] * totals)
@@ -156,20 +150,14 @@ def criterion_at(
         x = given.tangent[:, free]
         x = whiten(given, x[:, np.any(x != 0.0, axis=0)], ratio)
         normal = x.T @ x
-    (value,), (variance,) = criterion_of(
-        given, np.array([ratio]), np.array([solved.size]), normal[None]
-    )
-    return float(value), float(variance), solved
-
-
-def freedom(given: Problem, parameters: int) -> float:
-    """Degrees of freedom that are left to the scatter, one or more."""
-    return max(given.telling - parameters, 1.0)
+    one = (np.full(1, each) for each in (ratio, solved.size))
+    value, variance = criterion_of(given, *one, normal[None])
+    return float(value[0]), float(variance[0]), solved
 
 
 def criterion_of(given: Problem, ratios: Array, size: Array, normal: Array) -> tuple[Array, Array]:
     """Criterion and sigma^2 (k,) for lambda (k,): the best sigma, or that of a known tau."""
-    m = freedom(given, normal.shape[-1])
+    m = given.freedom(normal.shape[-1])
     size = np.maximum(size, m * np.finfo(float).tiny)
     variance = size / m
     if given.between is not None:

@@ -260,45 +260,35 @@ def deleted_residuals(estimate: Estimate) -> Array:
     return np.asarray(np.sign(z) * np.sqrt(square / others))
 
 
-def usual_distance(tests: int, parameters: int) -> float:
-    """Deleted residual that none of as many tests exceeds but by chance (Bonferroni)."""
-    from scipy.special import stdtrit
-
-    return float(stdtrit(max(tests - parameters - 1, 1), 1.0 - 0.5 * CHANCE / tests))
-
-
 def outliers(estimate: Estimate) -> list[Outlier]:
-    """Tests farther off than chance lets any be (`usual_distance`), farthest first.
+    """Tests farther off than chance lets any of as many be (Bonferroni), farthest first.
 
     The weights of a loss do not count, so that every loss names the same. The order is that of
     the distance from a fit that outliers do not pull, by the median absolute residual; each test is
     judged by those that are nearer, so that outliers do not hide each other. Source: Rosner 1983.
     """
+    from scipy.special import stdtrit
+
     given, free = estimate.problem, np.flatnonzero(~estimate.at_bound)
     alike = replace(linear(estimate, free), weights=np.ones(given.count), shares=None)
-    if given.count <= len(free) + 2:
-        return []
-    off = np.abs(fit_robust(alike, "bisquare").residuals)
-    doubted = int(np.sum(off > DOUBTED / 0.6745 * np.median(off)))
-    order = np.argsort(-off)
 
     def distance(row: int, others: Indices) -> float:
-        """Over the usual distance of a test from others."""
-        one = fit(subset(alike, np.append(others, row)))
-        return float(deleted_residuals(one)[-1])
+        return float(deleted_residuals(fit(subset(alike, np.append(others, row))))[-1])
 
-    most, far = max(min(doubted, given.count // 3), 1), 0
-    for k in range(most):
-        rest = order[k + 1 :]
-        if abs(distance(order[k], rest)) > usual_distance(len(rest) + 1, len(free)):
-            far = k + 1
-    rest = order[far:]
     try:
-        theta = fit(replace(subset(given, rest), weights=np.ones(len(rest)), shares=None)).theta
-    except (InputError, SolverError):
-        theta = estimate.theta
-    expected = given.predict(theta)
-    return [Outlier(int(k), distance(k, rest), float(expected[k])) for k in order[:far]]
+        off = np.abs(fit_robust(alike, "bisquare").residuals)
+        order, doubted = np.argsort(-off), off > DOUBTED / 0.6745 * np.median(off)
+        far, most = 0, max(min(int(doubted.sum()), given.count // 3), 1)
+        for k in range(min(most, given.count - len(free) - 2)):
+            chance = 0.5 * CHANCE / (given.count - k)
+            usual = stdtrit(given.count - k - len(free) - 1.0, 1.0 - chance)
+            far = k + 1 if abs(distance(order[k], order[k + 1 :])) > usual else far
+        rest = order[far:]
+        alone = replace(subset(given, rest), weights=np.ones(len(rest)), shares=None)
+        expected = given.predict(fit(alone).theta if far else estimate.theta)
+        return [Outlier(int(k), distance(k, rest), float(expected[k])) for k in order[:far]]
+    except (InputError, SolverError):  # too few others to judge by
+        return []
 
 
 def without_each(estimate: Estimate) -> Array:

@@ -80,10 +80,10 @@ class Problem:
         """Number of observations."""
         return len(self.y)
 
-    @property
-    def telling(self) -> float:
-        """Number of observations that tell the scatter: what a robust loss bounds does not."""
-        return float(self.count if self.shares is None else np.sum(self.shares))
+    def freedom(self, parameters: int) -> float:
+        """Degrees of freedom that tell the scatter: what a robust loss bounds does not."""
+        telling = float(self.count if self.shares is None else np.sum(self.shares))
+        return max(telling - parameters, 1.0)
 
     @property
     def campaigns(self) -> int:
