@@ -41,7 +41,7 @@ from workbench.studs.statistics.prediction import (
     predictive_quantile,
     without_each,
 )
-from workbench.studs.statistics.problem import Problem, problem
+from workbench.studs.statistics.problem import NEW, Problem, problem
 from workbench.studs.suspicion import (
     measurement_of,
     slab_findings,
@@ -208,8 +208,7 @@ def fit_strength(
     if given.foretold:
         values = (predictive_quantile(estimate, given, s) for s in (0.05, *tails_of(confidence)))
         foretold = [float(np.exp(np.mean(each))) for each in values]
-    nothing = [None] * 3
-    own = dict(zip(OWN, nothing if given.tells_new else foretold, strict=True))
+    own = dict(zip(OWN, [None] * 3 if given.foretold == NEW else foretold, strict=True))
     missing = len(usable) - len(kept)
     unknown: dict[str, Any] = {"count": missing, "tests": len(usable), "title": chosen.title}
     return StrengthFit(
@@ -218,7 +217,7 @@ def fit_strength(
         left_out=left_out,
         d8=_d8(tests, chosen, reference, variations, specified_strength),
         reference=reference,
-        new_campaign_factor=foretold[0] if given.tells_new else None,
+        new_campaign_factor=foretold[0] if given.foretold == NEW else None,
         own=own,
         measurement=measurement_of(kept, chosen.load),
         grade=grade_of(kept, "undamaged tests", left_out=bool(left_out)),

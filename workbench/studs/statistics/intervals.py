@@ -270,9 +270,8 @@ def mixture_of(estimate: Estimate) -> Mixture:
     else:  # fine near zero, where the likelihood changes; its tail falls like a power
         r = np.concatenate([[0.0], np.geomspace(0.02, MIXED, POINTS)])
         density = np.gradient(r) / (1.0 + (r / USUAL_RATIO) ** 2)
-    top = 1.0 if given.level is None else float(np.max(given.level))
-    grows = given.level is not None and float(np.min(given.level)) < top
-    parts, growths = [], GROWTHS if grows else np.zeros(1)
+    top = 1.0 if given.level is None else float(np.max(given.level)) or 1.0
+    parts, growths = [], np.zeros(1) if given.level is None else GROWTHS
     for growth in growths:
         falls = 0.0 if given.level is None else -2.0 * growth * (given.level / top - 0.5)
         weighed = replace(given, weights=given.weights * np.exp(falls))

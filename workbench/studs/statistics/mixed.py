@@ -71,7 +71,7 @@ def _solve_linear(given: Problem, ratio: float, start: Array, free: Indices) -> 
 def line_at(
     given: Problem, ratios: Array, start: Array, free: Indices
 ) -> tuple[Array, Array, Array]:
-    """Best parameters (k, free), sums of squares (k,), normal matrices of a line for many lambda."""
+    """Best parameters (k, free), sums of squares and normal matrices of a line for lambda (k,)."""
     assert given.moments is not None
     cross, sums, totals = given.moments
     shrink = ratios[:, None] / (1.0 + ratios[:, None] * totals)
@@ -150,8 +150,8 @@ def criterion_at(
         x = given.tangent[:, free]
         x = whiten(given, x[:, np.any(x != 0.0, axis=0)], ratio)
         normal = x.T @ x
-    one = (np.full(1, each) for each in (ratio, solved.size))
-    value, variance = criterion_of(given, *one, normal[None])
+    ratios, size = np.full(1, ratio), np.full(1, solved.size)
+    value, variance = criterion_of(given, ratios, size, normal[None])
     return float(value[0]), float(variance[0]), solved
 
 

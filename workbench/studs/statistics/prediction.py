@@ -23,6 +23,7 @@ from workbench.studs.statistics.intervals import (
 from workbench.studs.statistics.mixed import fit, fit_robust, solve_theta
 from workbench.studs.statistics.problem import (
     LEAST_CAMPAIGNS,
+    NEW,
     ROUND_OFF,
     Estimate,
     Indices,
@@ -135,7 +136,7 @@ def _parted(given: Problem, inside: Flags) -> tuple[Problem, Problem]:
 
 def coverage(estimate: Estimate, held: Problem, confidence: float) -> float | None:
     """Share of the tests of `held` inside their prediction interval (None: too few campaigns)."""
-    if not estimate.problem.tells_new:
+    if estimate.problem.foretold != NEW:
         return None
     low, high = (predictive_quantile(estimate, held, share) for share in tails_of(confidence))
     return float(np.mean((held.y >= low) & (held.y <= high)))

@@ -96,14 +96,11 @@ class Problem:
         return self.between is not None or 1 < self.campaigns < self.count
 
     @property
-    def tells_new(self) -> bool:
-        """Whether anything can be said of a new campaign."""
-        return self.between is not None or self.campaigns >= LEAST_CAMPAIGNS
-
-    @property
     def foretold(self) -> str:
         """The campaigns whose new tests can be foretold, in words; empty for none."""
-        return NEW if self.tells_new else OWN if self.campaigns == 1 else ""
+        if self.between is not None or self.campaigns >= LEAST_CAMPAIGNS:
+            return NEW
+        return OWN if self.campaigns == 1 else ""
 
     def index(self, name: str) -> int:
         """Place of a parameter. Raises `InputError` for an unknown one."""
