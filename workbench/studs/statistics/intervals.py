@@ -2,15 +2,15 @@
 
 Profile: a parameter is held, all others and the ratio of variances are fitted anew, and the
 interval is where the restricted criterion rises by (nu + 1) ln(1 + t^2 / nu), t the Student
-quantile with nu degrees of freedom after Satterthwaite, of two campaigns with one. For balanced
-data this is the exact interval; with many campaigns it becomes the usual chi-squared one.
+quantile with nu degrees of freedom after Satterthwaite. For balanced data this is the exact
+interval; with many campaigns it becomes the usual chi-squared one. What two campaigns move has
+Student's interval with one degree of freedom over the values of each.
 
 Mixture: given the ratio of variances lambda, parameters and new tests are Student-distributed. As
 few campaigns hardly tell lambda, its restricted likelihood is integrated over sqrt(lambda) with the
 weakly informative half-Cauchy density that Gelman 2006 recommends for few groups, and over the
-growth of the scatter with the level of the damage. With fewer than three campaigns the assumed
-density would decide, so nothing is said of new campaigns then, unless their scatter is known; with
-one campaign new tests are those of this laboratory alone.
+growth of the scatter with the level of the damage. With two campaigns the assumed density would
+decide: nothing is foretold. With one campaign new tests are those of this laboratory alone.
 """
 
 from __future__ import annotations
@@ -24,8 +24,14 @@ import numpy as np
 
 from workbench.errors import SolverError
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.mixed import best_ratio, criteria_at, criterion_of, line_at
-from workbench.studs.statistics.problem import Estimate, Indices, Problem, jacobian, whiten
+from workbench.studs.statistics.mixed import (
+    best_ratio,
+    criteria_at,
+    criterion_of,
+    line_at,
+    solve_theta,
+)
+from workbench.studs.statistics.problem import Estimate, Indices, Problem, jacobian, subset, whiten
 
 LEAST_FREEDOM = 1.0
 MOVED = 1.5  # times the variance of a parameter, from where on campaigns that differ move it
@@ -69,6 +75,8 @@ def freedom_of(estimate: Estimate, name: str) -> float:
         return LEAST_FREEDOM
     s2, t2 = estimate.sigma**2, estimate.tau**2
     free = np.flatnonzero(~estimate.at_bound)
+    if not given.tells_campaigns or t2 <= 1e-8 * s2:
+        return given.freedom(len(free))
     k = int(np.searchsorted(free, column))
     x = jacobian(given, estimate.theta, free)
 
@@ -76,11 +84,6 @@ def freedom_of(estimate: Estimate, name: str) -> float:
         """That of the parameter for other variances, at the same parameters."""
         j = whiten(given, x, t2 / s2)
         return float(s2 * np.linalg.pinv(j.T @ j)[k, k])
-
-    if given.campaigns == 2 and variance(1.0, 1.0) > MOVED * variance(1.0, 0.0):
-        return LEAST_FREEDOM  # one difference of campaigns is all that tells of them
-    if not given.tells_campaigns or t2 <= 1e-8 * s2:
-        return given.freedom(len(free))
 
     indicator = (given.groups[:, None] == np.arange(given.campaigns)).astype(float)
     between, within = indicator @ indicator.T, np.diag(1.0 / given.weights)
@@ -121,6 +124,8 @@ def profile_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> 
         scale = np.sqrt(mixture.variance * mixture.inverse[:, j, j])
         known = (mixture.weight, mixture.nu, mixture.theta[:, k], scale)
         return Interval(*(quantile_of(*known, tail) for tail in tails_of(confidence)))
+    if given.campaigns == 2 and (both := _over_two(estimate, k, confidence)):
+        return both
     near = estimate.ratio
 
     @cache
@@ -146,6 +151,24 @@ def profile_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> 
     low = None if low is None else min(low, centre)
     high = None if high is None else max(high, centre)
     return Interval(low, high)
+
+
+def _over_two(estimate: Estimate, k: int, confidence: float) -> Interval | None:
+    """Student's interval over two campaigns, each by itself; None where they do not move it."""
+    from scipy.special import stdtrit
+
+    given, free = estimate.problem, np.flatnonzero(~estimate.at_bound)
+    x, column = jacobian(given, estimate.theta, free), int(np.searchsorted(free, k))
+    white = (whiten(given, x, ratio) for ratio in (0.0, 1.0))
+    alike, apart = (np.linalg.pinv(w.T @ w)[column, column] for w in white)
+    if apart < MOVED * alike:
+        return None
+    parts = [subset(given, np.flatnonzero(given.groups == group)) for group in (0, 1)]
+    if min(part.count for part in parts) < len(free):
+        return Interval(None, None)  # one of them does not tell it
+    ends = [float(solve_theta(part, 0.0, estimate.theta, free).theta[k]) for part in parts]
+    half = 0.5 * abs(ends[0] - ends[1]) * float(stdtrit(1.0, 0.5 + 0.5 * confidence))
+    return Interval(0.5 * sum(ends) - half, 0.5 * sum(ends) + half)
 
 
 def _crossing(
@@ -187,9 +210,10 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
         return dict.fromkeys(("sigma", "tau"), Interval(0.0, 0.0))
     given, s, rise = estimate.problem, estimate.sigma, float(chdtri(1.0, 1.0 - confidence))
     if given.between is not None:
-        known, tails = mixture_of(estimate), tails_of(confidence)
-        place, below = np.argsort(known.variance), np.sqrt(np.sort(known.variance))
-        ends = np.interp(tails, np.cumsum(known.weight[place]), below)
+        known = mixture_of(estimate)
+        rising = np.argsort(known.variance)
+        below, sigma = np.cumsum(known.weight[rising]), np.sqrt(known.variance[rising])
+        ends = np.interp(tails_of(confidence), below, sigma)
         return {"sigma": Interval(*map(float, ends)), "tau": Interval(*(given.between,) * 2)}
     free = np.flatnonzero(~estimate.at_bound)
     m, several = given.freedom(len(free)), given.campaigns > 1
