@@ -212,8 +212,8 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
     if given.between is not None:
         known = mixture_of(estimate)
         rising = np.argsort(known.variance)
-        below, sigma = np.cumsum(known.weight[rising]), np.sqrt(known.variance[rising])
-        ends = np.interp(tails_of(confidence), below, sigma)
+        below, scatter = np.cumsum(known.weight[rising]), np.sqrt(known.variance[rising])
+        ends = np.interp(tails_of(confidence), below, scatter)
         return {"sigma": Interval(*map(float, ends)), "tau": Interval(*(given.between,) * 2)}
     free = np.flatnonzero(~estimate.at_bound)
     m, several = given.freedom(len(free)), given.campaigns > 1
