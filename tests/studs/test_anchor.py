@@ -49,7 +49,9 @@ def fatigue(truth: Relation, labs: int = 4, tests: int = 10, **changes: object) 
             left = float(truth.at(peak)(level, THETA[truth.name])) + effect
             rows.append({
                 "campaign": f"lab {j}", "specimen": f"s{i}", "test": "push-out", "diameter_mm": 22,
-                "shear_kN": 150 * (left + 0.02 * generator.normal()), "undamaged_shear_kN": 150.0,
+                # a stud bears what its cycles have just put on it
+                "shear_kN": 150 * max(left + 0.02 * generator.normal(), peak),
+                "undamaged_shear_kN": 150.0,
                 "predamage": "fatigue", "predamage_measure": "life fraction",
                 "predamage_level": level, "predamage_peak_kN": 150 * peak, **changes,
             })  # fmt: skip

@@ -176,15 +176,16 @@ def test_tests_left_out_for_want_of_a_companion_are_named() -> None:
 
 
 def test_a_load_range_of_the_whole_specimen_is_refused(tmp_path: Path, capsys: Capture) -> None:
-    """Eight studs: the S-N line makes it 1e8 lives, which no curve can be drawn over."""
+    """Eight studs: no stud is weaker than half the range that it has borne."""
     file = tmp_path / "lab.csv"
-    cycled(predamage_range_kN=480.0).to_csv(file, index=False)
+    cycled(predamage_range_kN=30.0).assign(predamage_range_kN=480.0).to_csv(file, index=False)
     arguments = ["fit", "residual", str(file), "--no-mechanical", "--quantity", "strength"]
     assert run(arguments) == 2
     error = capsys.readouterr().err
-    assert "lab a" in error
-    assert "must be at most 10" in error
-    assert "per stud" in error
+    assert "lab.csv, line 2, column shear_kN" in error
+    assert "its cycles have reached 240 kN: is one of them of the whole specimen?" in error
+    with pytest.raises(InputError, match="must be at most 10"):  # 1e6 lives by the S-N line
+        fit_residual(cycled(predamage_range_kN=175.0))
     long = cycled(predamage_life_cycles=1e4)
     with pytest.raises(InputError, match="must be at most 3"):
         fit_residual(long)

@@ -74,10 +74,9 @@ def test_design_rows_are_fractiles_and_lie_in_order(quantity: str) -> None:
     assert statements["design"].to_numpy() == pytest.approx(fractiles[1][rows["design"].notna()])
 
 
-def test_without_campaigns_there_is_no_band_of_the_median() -> None:
+def test_one_laboratory_moves_with_every_test() -> None:
     alone = fit_residual(after_fatigue([7]))
-    assert alone.design_rows()["low"].isna().all()
-    assert alone.band([0.5]) is None
+    assert alone.summary()["foretold"] == "this laboratory alone"
     moved = alone.influence()
     assert moved["without"].min() < moved["value"].iloc[0] < moved["without"].max()
 

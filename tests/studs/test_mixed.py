@@ -12,13 +12,16 @@ from workbench.errors import InputError
 from workbench.studs.statistics.intervals import (
     Interval,
     freedom_of,
-    predictive_quantile,
     profile_interval,
     scatter_intervals,
 )
-from workbench.studs.statistics.mixed import Estimate, fit, fit_robust
-from workbench.studs.statistics.prediction import leave_one_campaign_out, score_relations
-from workbench.studs.statistics.problem import Problem, problem
+from workbench.studs.statistics.mixed import fit, fit_robust
+from workbench.studs.statistics.prediction import (
+    leave_one_campaign_out,
+    predictive_quantile,
+    score_relations,
+)
+from workbench.studs.statistics.problem import Estimate, Problem, problem
 
 CONFIDENCE = 0.9
 MARGIN = 0.03  # of the nominal coverage

@@ -116,10 +116,9 @@ def test_five_percent_of_new_tests_lie_below_characteristic_values(sizes: list[i
     assert 0.03 <= below(sizes, 200) <= 0.07
 
 
-@pytest.mark.parametrize("sizes", [[6], [4, 4]])
-def test_few_campaigns_give_no_characteristic_value(sizes: list[int]) -> None:
+def test_two_campaigns_give_no_characteristic_value() -> None:
     """EN 1990 D.8 on the tests that the relation was fitted to: 15 to 19 % of new ones below."""
-    fit = fit_residual(laboratory(np.random.default_rng(1), "linear", sizes))
+    fit = fit_residual(laboratory(np.random.default_rng(1), "linear", [4, 4]))
     assert fit.design_rows()[["characteristic", "design"]].isna().all(axis=None)
     findings = " ".join(f"{finding.text} {finding.remedy}" for finding in fit.findings)
     assert "no characteristic or design value" in findings

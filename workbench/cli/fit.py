@@ -29,6 +29,7 @@ app = typer.Typer(
 FORMATS = ("html", "pdf")
 USUAL_SPECIFIED = 450.0  # MPa, of stud material: SD1 of ISO 13918
 _CAMPAIGN, _LOSS = "CAMPAIGN", "linear, huber or bisquare."
+_BETWEEN = "Scatter between campaigns (of logarithms, of shares left) that is known."
 
 
 def _file(metavar: str, rows: str) -> Any:
@@ -66,6 +67,8 @@ class FitVerb:
         from workbench.studs.fit_protocol import plain
 
         Number(0.5, 0.999).check("--confidence", self.confidence)
+        if (between := getattr(self, "known_between", None)) is not None:
+            Number(0.001, 1.0).check("--known-between", between)
         targets, inputs = {}, (self.file, getattr(self, "points", None))
         for name in self.report or ():  # refused before anything is computed
             target = writable("--report", name, *FORMATS, inputs=inputs)
@@ -170,6 +173,7 @@ class StudStrength(FitVerb):
     trend: Names = option("A variable whose missing exponent is fitted.", None, "NAME")
     factor: Names = option("Fit this factor of the formula: steel or concrete.", None, "NAME")
     loss: str = option(_LOSS, "linear", "NAME")
+    known_between: float | None = option(_BETWEEN, None, "TAU")
     slab: str = option("solid, or deck: reduced by the rules of the codes.", "solid", "NAME")
     variation: Names = option("Scatter of a variable in structures, for D.8.", None, "NAME=V")
     points: str | None = option("Load-slip curves, for slip capacities.", None, "POINTS.csv")
@@ -198,7 +202,7 @@ class StudStrength(FitVerb):
             trends=tuple(self.trend or ()),
             variations=_variations(self.variation or []),
             specified_strength=None if self.specified is None else 1e6 * usual,
-            **self._given("loss", "confidence", "slab"),
+            **self._given("loss", "confidence", "slab", "known_between"),
         )
 
 
@@ -258,6 +262,7 @@ class Residual(FitVerb):
     predamage: str | None = option("Tests after this damage only.", None, "KIND")
     measure: str | None = option("Tests with this measure of damage only.", None, "NAME")
     loss: str = option(_LOSS, "linear", "NAME")
+    known_between: float | None = option(_BETWEEN, None, "TAU")
     predicted_reference: bool = option(
         "Predict undamaged strengths that no test gave.", False, None, "--predicted-reference"
     )
@@ -291,7 +296,8 @@ class Residual(FitVerb):
             given=given,
             model=_calibrated if self.mechanical else None,
             judged=bool(self.validate),
-            **self._given("predicted_reference", "predamage", "measure", "loss", "confidence"),
+            predicted_reference=self.predicted_reference,
+            **self._given("predamage", "measure", "loss", "confidence", "known_between"),
         )
 
 

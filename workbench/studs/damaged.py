@@ -30,7 +30,7 @@ from workbench.studs.schema import (
     QUANTITIES,
     SN_LIFE,
 )
-from workbench.studs.statistics.intervals import LEAST_CAMPAIGNS
+from workbench.studs.statistics.problem import LEAST_CAMPAIGNS
 
 EXPONENT, STRESS, CYCLES = 8.0, 90.0, 2e6  # of the S-N line: m, tau_c (MPa), N_c
 LIKE_PEAK = 0.05  # by which P_max / P_u may differ between tests of one curve
@@ -237,16 +237,19 @@ def grade_of(rows: pd.DataFrame, quantity: str) -> Grade:
 
 
 def residual_findings(
-    rows: pd.DataFrame, at_bound: tuple[str, ...], onset: float
+    rows: pd.DataFrame, at_bound: tuple[str, ...], onset: float, between: float | None = None
 ) -> Iterator[Finding]:
     """What is to be said of a fit to tests after pre-damage.
 
-    Arguments: parameters `at_bound`; what is left at the `onset` of loss, 15 % of the life.
+    Arguments: parameters `at_bound`; what is left at the `onset` of loss, 15 % of the life; scatter
+    `between` campaigns if it is known.
     """
     synthetic = int((rows["origin"] == "synthetic").sum())
     if synthetic:
         yield finding("stud-synthetic", count=synthetic, tests=len(rows))
-    if (campaigns := rows["campaign"].nunique()) < LEAST_CAMPAIGNS:
+    if between is not None:
+        yield finding("stud-known-between", between, between=between)
+    elif (campaigns := rows["campaign"].nunique()) < LEAST_CAMPAIGNS:
         key = "stud-one-damaged-campaign" if campaigns == 1 else "stud-few-damaged-campaigns"
         yield finding(key, campaigns=campaigns)
     if at_bound:

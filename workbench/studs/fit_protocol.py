@@ -17,15 +17,10 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.responses import Finding, finding
-from workbench.studs.statistics.intervals import (
-    LEAST_CAMPAIGNS,
-    Interval,
-    profile_interval,
-    scatter_intervals,
-)
-from workbench.studs.statistics.mixed import Estimate, fit
+from workbench.studs.statistics.intervals import Interval, profile_interval, scatter_intervals
+from workbench.studs.statistics.mixed import fit
 from workbench.studs.statistics.prediction import outliers
-from workbench.studs.statistics.problem import location
+from workbench.studs.statistics.problem import LEAST_CAMPAIGNS, Estimate, location
 from workbench.studs.tables import RowIdentity, identity_of
 
 Summary = dict[str, Any]  # one row of a table: numbers, words and flags by column
@@ -85,15 +80,26 @@ def counted(rows: pd.DataFrame, what: str = "tests") -> Summary:
     return {what: len(rows), "campaigns": ", ".join(sorted(set(rows["campaign"])))}
 
 
+LITTLE = 0.5  # weight of a test that a loss hardly counts
+
+
 def outlier_findings(
     estimate: Estimate, rows: pd.DataFrame, shown: Callable[[float], float] = float
 ) -> Iterator[Finding]:
-    """Every test that the others do not expect; `shown` makes of what was fitted what is read."""
+    """Every test that the others do not expect, and those to which a loss gives little weight.
+
+    `shown` makes of what was fitted what is read.
+    """
+    names = [f"{c} {s}" for c, s in zip(rows["campaign"], rows["specimen"], strict=True)]
     for row, distance, expected in outliers(estimate):
-        name = f"{rows['campaign'].iloc[row]} {rows['specimen'].iloc[row]}"
         value, expected = shown(estimate.problem.y[row]), shown(expected)
         far: Summary = {"distance": abs(distance), "expected": expected}
-        yield finding("stud-outlier", distance, test=name, value=value, **far)
+        yield finding("stud-outlier", distance, test=names[row], value=value, **far)
+    weights = estimate.problem.weights
+    if len(small := np.flatnonzero(weights < LITTLE)):
+        tests = ", ".join(f"{names[row]} ({weights[row]:.2f})" for row in small)
+        rest: Summary = {"rest": len(names) - len(small), "all": len(names)}
+        yield finding("stud-small-weights", float(len(small)), tests=tests, **rest)
 
 
 class Parameter(NamedTuple):

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
@@ -28,7 +29,6 @@ from workbench.studs.relations import MEASURES, MechanicalCurve
 from workbench.studs.residual_fit import ResidualFit, fit_residual
 from workbench.studs.schema import QUANTITIES
 from workbench.studs.series import evaluate_groups
-from workbench.studs.statistics.prediction import rank_scatters
 from workbench.studs.strength_fit import fit_strength
 from workbench.studs.tables import own_rows, points_of
 
@@ -162,6 +162,43 @@ def interaction(fitted: Rows, held: Rows, **how: Any) -> Tables:
     """The exponent of tension with shear, and the laws of the codes; see `fit_interaction`."""
     fit = fit_interaction(fitted, **how)
     return stacked([(fit.law, known_of(fit, held, how.get("confidence", 0.9)))])
+
+
+LIKE = 1.01  # ratio of scatters that is no difference: an interval must lie above it
+_EQUAL = 1e-12  # of squares of logarithms
+
+
+def rank_scatters(tests: pd.DataFrame, confidence: float) -> pd.DataFrame:
+    """Formulas by their scatter within campaigns, the least first, among equals the first.
+
+    Arguments: `tests`, rows with `of` (the formula), campaign, specimen and ratio, test over
+    prediction; those count that every formula has a value for. Columns of the result: `of`, `ratio`
+    of the scatter to the least one with its interval `low`, `high` (NaN with too few tests), and
+    `apart`, whether that lies above `LIKE`. Source: Pitman 1939, standard deviations of correlated
+    normal variables.
+    """
+    from scipy.special import stdtrit
+
+    names = list(dict.fromkeys(tests["of"]))
+    ratios = tests.pivot_table("ratio", ["campaign", "specimen"], "of")[names]
+    logs = ratios.dropna().apply(np.log)
+    campaigns = logs.groupby(level="campaign")
+    left, nu = logs - campaigns.transform("mean"), len(logs) - campaigns.ngroups - 1
+    products = left.T.to_numpy() @ left.to_numpy()
+    squares = np.diag(products)
+    best = int(np.flatnonzero(squares <= squares.min() + _EQUAL)[0])
+    rows: list[dict[str, Any]] = [{"of": names.pop(best), "ratio": 1.0, "apart": False}]
+    for k in (k for k in range(len(squares)) if k != best):
+        row = {"of": str(left.columns[k]), "apart": False}
+        if nu > 0 and squares[best] > _EQUAL:
+            ratio = float(np.sqrt(squares[k] / squares[best]))
+            unshared = max(1.0 - products[k, best] ** 2 / (squares[k] * squares[best]), 0.0)
+            wide = 1.0 + 2.0 * unshared * float(stdtrit(nu, 0.5 + 0.5 * confidence)) ** 2 / nu
+            factor = float(np.sqrt(wide + np.sqrt(wide**2 - 1.0)))
+            ends = {"low": ratio / factor, "high": ratio * factor}
+            row |= {"ratio": ratio, **ends, "apart": ratio / factor > LIKE}
+        rows.append(row)
+    return pd.DataFrame(rows, columns=["of", "ratio", "low", "high", "apart"])
 
 
 MOST_STUDS = 4  # of a table, that the mechanical model computes one by one

@@ -44,7 +44,7 @@ from workbench.studs.statistics.mixed import fit
 from workbench.studs.statistics.prediction import influence_of, without_each
 from workbench.studs.statistics.problem import location
 from workbench.studs.suspicion import suspicions_of_points
-from workbench.studs.tables import curves_of
+from workbench.studs.tables import curves_of, recorded
 
 ENDLESS = 0.5  # m: beyond the slip of any test
 GRID = np.linspace(0.0, 10e-3, 101)  # m, slips at which median and band are given
@@ -254,7 +254,7 @@ def fit_load_slip(
         laws=laws,
         skipped=tuple(skipped),
         rows=curves,
-        findings=(*suspicions_of_points(points), *_findings(curves)),
+        findings=(*suspicions_of_points(points), *_findings(points, curves)),
     )
 
 
@@ -311,7 +311,14 @@ def _row(slip: Array, load: Array, law: str, loss: str) -> dict[str, object]:
     }  # fmt: skip
 
 
-def _findings(curves: pd.DataFrame) -> Iterator[Finding]:
+def _findings(points: pd.DataFrame, curves: pd.DataFrame) -> Iterator[Finding]:
+    rows = recorded(points)
+    rows = rows[rows["branch"] != points["branch"][rows.index]]
+    for branch, key in (("later loading", "stud-load-cycles"), ("post-peak", "stud-falls")):
+        changed = rows[rows["branch"] == branch]
+        if len(changed):
+            named = changed[["campaign", "specimen"]].drop_duplicates()
+            yield finding(key, count=len(changed), curves=len(named))
     near, stuck = curves["near_interpolation"].sum(), (curves["at_bound"] != "").sum()
     for key, count in (("stud-curve-points", near), ("stud-curve-bounds", stuck)):
         if count:

@@ -116,7 +116,7 @@ class StudModel(Answering):
     """
 
     name: ClassVar[str]
-    version: ClassVar[int] = 12
+    version: ClassVar[int] = 13
     answers: ClassVar[tuple[str, ...]] = (StudTests.KIND,)
     assumptions: ClassVar[tuple[str, ...]]
     asks: ClassVar[tuple[str, ...]] = ()

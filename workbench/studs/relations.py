@@ -20,16 +20,10 @@ from workbench.errors import InputError, SolverError
 from workbench.studs.damaged import peaks_of
 from workbench.studs.quantities import Array
 from workbench.studs.schema import FATIGUE, LIFE
-from workbench.studs.statistics.intervals import (
-    LEAST_CAMPAIGNS,
-    Mixture,
-    Part,
-    averaged_quantile,
-    mixture_of,
-)
-from workbench.studs.statistics.mixed import Estimate, fit, fit_robust
-from workbench.studs.statistics.prediction import Score, score_relations
-from workbench.studs.statistics.problem import Problem, problem
+from workbench.studs.statistics.intervals import Mixture, mixture_of
+from workbench.studs.statistics.mixed import fit, fit_robust, weighed
+from workbench.studs.statistics.prediction import Part, Score, averaged_quantile, score_relations
+from workbench.studs.statistics.problem import Estimate, Problem, problem
 
 SOURCES = ("oehlers1990", "hanswille2007", "oehlers-foley1985", "yao2018")  # bibliography keys
 
@@ -151,7 +145,7 @@ LEAST_WEIGHT = 0.02  # of a candidate in the average
 class Candidate(NamedTuple):
     """A relation fitted to the tests, its `weight` in the average, what it tells of new campaigns.
 
-    `mixture`: None with too few campaigns to say anything of a new one.
+    `mixture`: None with two campaigns, which say nothing of new tests.
     """
 
     weight: float
@@ -184,13 +178,17 @@ def problem_of(y: Array, level: Array, campaigns: ArrayLike, relation: Relation)
     """The regression of ratios (n,) at damage levels (n,) on a relation."""
     predict, bounds = partial(relation, level), {"lower": relation.lower, "upper": relation.upper}
     start = min(relation.starts, key=lambda theta: float(np.sum((predict(theta) - y) ** 2)))
-    return problem(y, campaigns, predict, relation.parameters, start, **bounds)
+    given = problem(y, campaigns, predict, relation.parameters, start, **bounds)
+    return replace(given, level=level)
 
 
-def fit_candidates(relations: list[Relation], rows: pd.DataFrame, loss: str) -> dict[str, Estimate]:
+def fit_candidates(
+    relations: list[Relation], rows: pd.DataFrame, loss: str, between: float | None = None
+) -> dict[str, Estimate]:
     """Fits of all candidates that leave a test to judge them by; those that fail are no candidates.
 
-    `rows`, tests after pre-damage; every test has its own end of an anchored relation.
+    `rows`, tests after pre-damage; every test has its own end of an anchored relation. `between`,
+    scatter between campaigns if it is known.
     With a robust loss all weigh a test alike, as the one does that it suits best: a test is an
     outlier where it is one for every candidate.
     """
@@ -205,7 +203,7 @@ def fit_candidates(relations: list[Relation], rows: pd.DataFrame, loss: str) -> 
             continue
         try:
             given = problem_of(y, level, campaigns, relation.at(peaks))
-            estimates[relation.name] = fit_robust(given, loss)
+            estimates[relation.name] = fit_robust(replace(given, between=between), loss)
         except (InputError, SolverError) as error:
             failed = error
     if not estimates:
@@ -213,7 +211,7 @@ def fit_candidates(relations: list[Relation], rows: pd.DataFrame, loss: str) -> 
     if loss != "linear":
         weights = np.max([each.problem.weights for each in estimates.values()], axis=0)
         for name, each in estimates.items():
-            estimates[name] = fit(replace(each.problem, weights=weights))
+            estimates[name] = fit(weighed(each.problem, weights, loss))
     return estimates
 
 
@@ -224,11 +222,10 @@ def average(
     scores = tuple(score_relations(estimates))
     kept = [score for score in scores if score.weight >= LEAST_WEIGHT]
     total, named = sum(score.weight for score in kept), {each.name: each for each in relations}
-    few = next(iter(estimates.values())).problem.campaigns < LEAST_CAMPAIGNS
     averaged = []
     for score in kept:
         estimate = estimates[score.name]
-        mixture = None if few else mixture_of(estimate)
+        mixture = mixture_of(estimate) if estimate.problem.foretold else None
         averaged.append(Candidate(score.weight / total, named[score.name], estimate, mixture))
     return scores, tuple(averaged)
 
@@ -241,7 +238,7 @@ def quantiles(
 ) -> Array | None:
     """Ratios (shares + median, n) at levels (n,), see `averaged_quantile`.
 
-    None where the campaigns are too few to say anything of a new one.
+    None with two campaigns.
     """
     new, parts = ["new"] * len(level), []
     for weight, relation, estimate, mixture in averaged:

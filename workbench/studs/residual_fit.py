@@ -6,7 +6,7 @@ the prediction of the mechanical model, and its grade says that nothing has vali
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from workbench.arrays import Flags
 from workbench.errors import InputError
-from workbench.responses import finding
+from workbench.responses import Finding, finding
 from workbench.studs.damaged import (
     ONSET_OF_FATIGUE_LOSS,
     REFERENCE,
@@ -52,13 +52,15 @@ from workbench.studs.relations import (
 )
 from workbench.studs.schema import NO_PREDAMAGE, QUANTITIES
 from workbench.studs.statistics.annex_d import CHARACTERISTIC, TABLE_DESIGN
-from workbench.studs.statistics.intervals import tails_of
+from workbench.studs.statistics.intervals import mixture_of, tails_of
 from workbench.studs.statistics.prediction import Score, influence_of, without_each
+from workbench.studs.statistics.problem import Estimate
 from workbench.studs.suspicion import suspicions
 
 STEP = 0.025  # of damage, at which the curve is given
 DESIGN_LEVELS = (0.25, 0.5, 0.75)  # of damage, besides the largest tested one
 BELOW = 1.0 - CHARACTERISTIC, 1.0 - TABLE_DESIGN  # shares of new tests, for design
+CHANCE = 0.05  # that a scatter that does not grow is said to
 _TESTS = ["campaign", "specimen", "level", "ratio", "origin", *REFERENCE]
 
 
@@ -97,6 +99,11 @@ class ResidualFit(Fit):
         studs = f" of studs {self.stud}" if self.stud else ""
         return f"for damage up to {self.levels[1]:.3g}{studs}, as {kind}"
 
+    @property
+    def foretold(self) -> str:
+        """The campaigns whose new tests bands and values are for, in words; empty for none."""
+        return "" if self.fitted is None else self.fitted.estimate.problem.foretold
+
     def extrapolates(self, level: ArrayLike) -> Flags:
         """Whether damage levels (n,) lie beyond the tested ones. Undamaged, all is left."""
         return np.asarray(level, float) > self.levels[1] + 1e-9
@@ -116,9 +123,9 @@ class ResidualFit(Fit):
     ) -> Array | None:
         """Ratios (shares + median, n) that shares of a distribution lie below, at levels (n,).
 
-        `shares`, of new tests in a new campaign; `median`, of what is known of the median over
-        campaigns. NaN beyond the tested levels: what a relation does there no test tells. None for
-        a prediction, and with fewer than three campaigns.
+        `shares`, of new tests of the campaigns `foretold`; `median`, of what is known of the median
+        there. NaN beyond the tested levels: what a relation does there no test tells. None for a
+        prediction, and with two campaigns.
         """
         d = np.asarray(level, float)
         inside, left = ~self.extrapolates(d), np.full((len(shares) + len(median), len(d)), np.nan)
@@ -129,7 +136,7 @@ class ResidualFit(Fit):
         return left
 
     def band(self, level: ArrayLike, share: float = 0.9) -> tuple[Array, Array] | None:
-        """Bounds (n,) of the ratio: of a new test in a new campaign, or of the mechanical model.
+        """Bounds (n,) of the ratio: of a new test (`foretold`), or of the mechanical model.
 
         NaN and None as in `quantiles`.
         """
@@ -146,7 +153,7 @@ class ResidualFit(Fit):
         """What a designer takes at usual levels in the tested range and at its end; may be empty.
 
         Columns: `level`, `median` with its confidence bounds `low`, `high`, and what 5 % and 0.1 %
-        of new tests in new campaigns lie below, `characteristic` and `design`. NaN where the tests
+        of new tests (`foretold`) lie below, `characteristic` and `design`. NaN where the tests
         do not tell, as in `quantiles`, and for a `design` value of nothing.
         """
         end, usual = self.levels[1], np.array(DESIGN_LEVELS)
@@ -174,7 +181,7 @@ class ResidualFit(Fit):
 
     def summary(self) -> Summary:
         """The relation of most weight, its scatters, grade, and where it holds."""
-        names = ("quantity", "predamage", "measure", "stud", "holds")
+        names = ("quantity", "predamage", "measure", "stud", "holds", "foretold")
         return {
             **{name: getattr(self, name) for name in names},
             **counted(self.rows),
@@ -225,20 +232,23 @@ def fit_residual(
     mechanical: MechanicalCurve | None = None,
     loss: str = "linear",
     confidence: float = 0.9,
+    known_between: float | None = None,
 ) -> ResidualFit:
     """Fit and choose a relation between damage and what is left, and grade its evidence.
 
     Arguments: `table` (schema `TESTS`); `quantity`, ``strength`` or ``stiffness``; `predamage` and
     `measure`, which tests (None: all, if they are of one kind); `mechanical`, prediction of the
     mechanical model, one more candidate and the answer if the table holds no test after
-    pre-damage; the rest as in `fit_strength`. The candidates in `RELATIONS` are weighed by
+    pre-damage; `known_between`, scatter between campaigns of what is left, that earlier tests have
+    shown; the rest as in `fit_strength`. The candidates in `RELATIONS` are weighed by
     leaving out whole campaigns, and averaged. Raises `InputError` without tests and prediction.
     """
     rows = damaged_rows(table, quantity, predamage, measure)
     if rows.empty:
         return _predicted(table, quantity, mechanical, predamage, measure)
     relations = candidates(mechanical, rows, quantity)
-    estimates = fit_candidates(relations, rows, loss)
+    estimates = fit_candidates(relations, rows, loss, known_between)
+    flexible = max(estimates.values(), key=lambda each: len(each.theta))
     scores, averaged = average(relations, estimates)
     chosen, best = averaged[0].relation, fitted(averaged[0].estimate, confidence=confidence)
     onset = float(chosen(ONSET_OF_FATIGUE_LOSS, list(best.estimates.values())))
@@ -257,13 +267,27 @@ def fit_residual(
         findings=(
             *suspicions(table),
             # an outlier hides from a relation that fits badly: the most flexible one finds it
-            *outlier_findings(max(estimates.values(), key=lambda e: len(e.theta)), rows),
+            *outlier_findings(flexible, rows),
+            *_growth(flexible),
             *damage_findings(rows, quantity),
             *reference_findings(table, rows, quantity),
-            *residual_findings(rows, best.at_bound, onset),
+            *residual_findings(rows, best.at_bound, onset, known_between),
         ),
         mechanical=mechanical,
     )
+
+
+def _growth(estimate: Estimate) -> Iterator[Finding]:
+    """Scatter that grows with the damage, where chance alone would hardly make it so."""
+    from scipy.special import chdtrc
+
+    if estimate.is_exact:
+        return
+    mixture = mixture_of(estimate)
+    chance = float(chdtrc(1.0, max(mixture.likelihood_ratio, 0.0)))
+    if mixture.likely > 0.0 and chance < CHANCE:
+        times = float(np.exp(mixture.likely))
+        yield finding("stud-growing-scatter", times, level=mixture.top, times=times, chance=chance)
 
 
 def _predicted(

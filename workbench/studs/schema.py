@@ -117,6 +117,7 @@ PREDICTED = "predicted"  # an undamaged strength that no test gave
 FATIGUE, LIFE, SN_LIFE = "fatigue", "life fraction", "S-N life fraction"
 # of studs about their mean strength; a mean life may be several times the characteristic one
 LARGEST_LEVEL = {"section loss": 1.0, "load ratio": 1.3, SN_LIFE: 10.0}
+PUSHED = (FATIGUE, "push-out")  # damage by shear, as the test that follows it
 LIKE_LEVEL = 0.02  # by which a given share of life may miss that of the cycles
 _CYCLES = (
     *("predamage_peak_kN", "predamage_range_kN", "predamage_cycles", "predamage_life_cycles"),
@@ -216,6 +217,10 @@ def _predamage(row: Row) -> Iterator[RowFinding]:
     if peak and span and span > 2.0 * peak:
         reason = f"is more than from {-peak:g} to {peak:g} kN"
         yield "predamage_range_kN", span, reason, "it is the largest load of a cycle less the least"
+    borne, shear = max(peak or 0.0, 0.5 * (span or 0.0)), known(row, "shear_kN")
+    if shear and kind in PUSHED and shear < (1.0 - TOTAL_TOLERANCE) * borne:
+        advice = f"its cycles have reached {borne:g} kN: is one of them of the whole specimen?"
+        yield "shear_kN", shear, "is less than the load that the stud has borne", advice
     if level is None:
         if kind == FATIGUE and cycles is not None and (life or (span and diameter)):
             return  # the share of the life is computed

@@ -31,16 +31,17 @@ from workbench.studs.fit_protocol import (
 from workbench.studs.formulas import Formula, characteristic_strength, strength_formula
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.statistics.annex_d import D8, evaluate_d8, sensitivities_of
-from workbench.studs.statistics.intervals import LEAST_CAMPAIGNS, predictive_quantile
+from workbench.studs.statistics.intervals import tails_of
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.prediction import (
     LeftOut,
     coverage,
     influence_of,
     leave_one_campaign_out,
+    predictive_quantile,
     without_each,
 )
-from workbench.studs.statistics.problem import Problem, problem
+from workbench.studs.statistics.problem import NEW, Problem, problem
 from workbench.studs.suspicion import (
     measurement_of,
     slab_findings,
@@ -58,6 +59,7 @@ VARIATIONS = {
     "ultimate_strength": 0.05,
 }
 _SIZES = (*TRENDS[:-1], "height", "embedment", "head_diameter")
+OWN = ("own_factor", "own_low", "own_high")
 LEFT_OUT = ["campaign", "count", "bias", "rms", "covered"]
 LARGEST_SPECIFIED = 500e6  # Pa, of f_u in the design function, EN 1994-1-1, 6.6.3.1
 
@@ -70,9 +72,10 @@ class StrengthFit(Fit):
     for, and the scatters of the log ratio; `left_out`, campaigns predicted from the others; `d8`,
     EN 1990 D.8 on the same rows (which takes all tests as independent) at the `reference` stud;
     `new_campaign_factor`, 5 % fractile of test over the formula for a new test of a new campaign
-    (None with fewer than three); `measurement`, relative standard uncertainty of the measured loads
-    (None if not reported); `grade` of the evidence, and the studs that it `holds` for, in a `slab`;
-    `kept`, its rows of the table, and `rows`, their test, prediction, ratio and variables in SI.
+    (None with fewer than three); `own`, the same of this laboratory alone with the band of a new
+    test, where there is one campaign; `measurement`, relative standard uncertainty of the measured
+    loads (None if not reported); `grade` of the evidence, and the studs that it `holds` for, in a
+    `slab`; `kept`, its rows of the table, and `rows`, test, prediction, ratio and variables in SI.
     """
 
     model: Formula
@@ -81,6 +84,7 @@ class StrengthFit(Fit):
     d8: D8
     reference: dict[str, float]
     new_campaign_factor: float | None
+    own: dict[str, float | None]
     measurement: float | None
     grade: str
     holds: str
@@ -144,6 +148,7 @@ class StrengthFit(Fit):
             **self.fitted.parameters["bias"].columns("bias"),
             **self.fitted.scatters,
             **{name: getattr(self, name) for name in names},
+            **self.own,
         }
 
     def tables(self, confidence: float = 0.9) -> Tables:
@@ -172,6 +177,7 @@ def fit_strength(
     variations: Mapping[str, float] = VARIATIONS,
     specified_strength: float | None = None,
     slab: str = "solid",
+    known_between: float | None = None,
 ) -> StrengthFit:
     """Fit a strength formula to the undamaged headed studs of a table (schema `TESTS`).
 
@@ -179,8 +185,8 @@ def fit_strength(
     variables out of `TRENDS` whose missing exponents are fitted; `loss`, ``linear``, ``huber`` or
     ``bisquare``; `confidence` of the intervals; `variations`, see `evaluate_d8` (default
     `VARIATIONS`); `specified_strength` of the stud material in Pa, for
-    gamma_M* (None: the mean of the tests); `slab`, solid or deck. Raises `InputError`,
-    `SolverError`.
+    gamma_M* (None: the mean of the tests); `slab`, solid or deck; `known_between`, scatter of the
+    logarithm between campaigns that earlier tests have shown. Raises `InputError`, `SolverError`.
     """
     chosen = strength_formula(model) if isinstance(model, str) else model
     for trend in trends:
@@ -192,16 +198,18 @@ def fit_strength(
         for name in dict.fromkeys((*TRENDS, *_SIZES))
     }
     given = _problem(tests, chosen, tuple(trends), reference)
+    given = replace(given, between=known_between)
     estimate = fit_robust(given, loss)
     missing_exponents = dict(zip(trends, estimate.theta[1:].tolist(), strict=True))
     left_out: tuple[LeftOut, ...] = ()
     others = given.count - max(np.bincount(given.groups))  # than those of the largest campaign
     if given.campaigns > 1 and others > len(given.names):
         left_out = tuple(leave_one_campaign_out(given))
-    new = None
-    if given.campaigns >= LEAST_CAMPAIGNS:
-        lowest = predictive_quantile(estimate, estimate.problem, 0.05)
-        new = float(np.exp(np.mean(lowest)))
+    foretold: list[float | None] = [None] * 3
+    if given.foretold:
+        values = (predictive_quantile(estimate, given, s) for s in (0.05, *tails_of(confidence)))
+        foretold = [float(np.exp(np.mean(each))) for each in values]
+    own = dict(zip(OWN, [None] * 3 if given.foretold == NEW else foretold, strict=True))
     missing = len(usable) - len(kept)
     unknown: dict[str, Any] = {"count": missing, "tests": len(usable), "title": chosen.title}
     return StrengthFit(
@@ -210,7 +218,8 @@ def fit_strength(
         left_out=left_out,
         d8=_d8(tests, chosen, reference, variations, specified_strength, missing_exponents),
         reference=reference,
-        new_campaign_factor=new,
+        new_campaign_factor=foretold[0] if given.foretold == NEW else None,
+        own=own,
         measurement=measurement_of(kept, chosen.load),
         grade=grade_of(kept, "undamaged tests", left_out=bool(left_out)),
         holds=f"for studs {studs_in_words(kept)}, as tested"

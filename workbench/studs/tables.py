@@ -111,20 +111,46 @@ def joined(tables: Sequence[pd.DataFrame], *, unique: bool = True) -> pd.DataFra
     return rows
 
 
+LOOP = 0.02  # of the largest load: a larger fall with the slip going back is no noise
+
+
+def recorded(points: pd.DataFrame) -> pd.DataFrame:
+    """Points of single specimens that a fit may use, with the `branch` that each record tells.
+
+    Points are in the order of the test. Unloading and reloading before the largest load is
+    ``later loading``. In a curve without any label what follows the largest load is ``post-peak``
+    while the slip grows, and later loading where it goes back.
+    """
+    kept = (points["single_specimen"] == 1.0) & (points["on_envelope"] == 1.0)
+    kept &= (points["use_for_fit"] == 1.0) & (points["branch"] != "low-load reading")
+    rows, branch = points[kept], points["branch"][kept].copy()
+    for _, curve in rows.groupby(["campaign", "specimen"], sort=False):
+        slip, load = (curve[name].to_numpy(float) for name in ("slip_mm", "load_kN"))
+        place, peak = np.arange(len(load)), int(np.argmax(load))
+        farthest, top = (np.maximum.accumulate(each) for each in (slip, load))
+        first = np.diff(top, prepend=-np.inf) > 0.0
+        last = np.maximum.accumulate(np.where(first, place, 0))  # point of the envelope before
+        falls = (load < top - LOOP * load[peak]) & (slip < farthest) & (place < peak)
+        later = np.isin(last, last[falls]) & ~first
+        if (curve["branch"] == "").all():
+            onward = np.diff(farthest, prepend=-np.inf) > 0.0
+            branch[curve.index[(place > peak) & onward]] = "post-peak"
+            later |= (place > peak) & ~onward
+        branch[curve.index[later]] = "later loading"
+    return rows.assign(branch=branch)
+
+
 def first_loading(points: pd.DataFrame, *, falling: bool) -> pd.DataFrame:
     """Points that belong to the first loading of single specimens, with loads and slips in SI.
 
-    Unloading readings, mean curves and doubtful points (`use_for_fit` 0) are left out, and the
+    Unloading and reloading, mean curves and doubtful points (`use_for_fit` 0) are left out, and the
     `falling` branch unless it is wanted. Raises `InputError` if nothing is left.
     """
-    kept = (points["single_specimen"] == 1.0) & (points["on_envelope"] == 1.0)
-    kept &= points["use_for_fit"] == 1.0
-    kept &= ~points["branch"].isin(["low-load reading", "later loading"])
-    if not falling:
-        kept &= points["branch"] != "post-peak"
+    rows = recorded(points)
+    kept = ~rows["branch"].isin(["later loading", *["post-peak"] * (not falling)])
     if not kept.any():
         raise InputError("points", len(points), "hold no point of a first loading to be fitted")
-    rows = points[kept]
+    rows = rows[kept]
     slip, load = 1e-3 * rows["slip_mm"].astype(float), 1e3 * rows["load_kN"].astype(float)
     return rows[["campaign", "specimen"]].assign(slip=slip, load=load)
 

@@ -112,8 +112,7 @@ def shear(structure: StudStructure, slip: float | None = None, steps: int = STEP
         collar = float(structure.links.state.force[structure.collar])
         force = step.factor + friction
         rows.append((done, force, friction, collar, structure.base_tension, structure.uplift))
-        failed = structure.ruptured
-        if failed:
+        if failed := structure.ruptured:
             break
     return ShearCurve(*np.array(rows).T, failed=failed)
 
@@ -140,25 +139,21 @@ def pull(
             failure = "steel"
             break
     lifted, loads = np.array(rows).T
-    if failure == "none" and structure.cone_damage > 0.0:
-        failure = "cone"
-    elif failure == "none" and structure.head_crushed:
-        failure = "head"
-    if unload and failure != "steel":
+    if failure == "none":
+        crushed = "head" if structure.head_crushed else "none"
+        failure = "cone" if structure.cone_damage > 0.0 else crushed
+    if unload and failure != "steel" and loads[-1] > 0.0:
         _let_go(structure, float(loads[-1]))
     return PullCurve(lifted, loads, failure, structure.uplift, structure.cone_damage)
 
 
 def _let_go(structure: StudStructure, load: float) -> None:
     """Lower the flange until it is free of load."""
-    if load <= 0.0:
-        return
     dof, rest, step_size = structure.uplift_dof, load, 1e-6
     for _ in range(400):
-        before = rest
         (step,) = push(structure.assembly, dof, np.array([step_size]))
         structure.update()
-        rest = -step.factor
+        before, rest = rest, -step.factor
         if abs(rest) <= 1e-4 * load:
             return
         slope = (before - rest) / step_size

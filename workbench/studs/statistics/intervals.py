@@ -3,44 +3,48 @@
 Profile: a parameter is held, all others and the ratio of variances are fitted anew, and the
 interval is where the restricted criterion rises by (nu + 1) ln(1 + t^2 / nu), t the Student
 quantile with nu degrees of freedom after Satterthwaite. For balanced data this is the exact
-interval; with many campaigns it becomes the usual chi-squared one. With two campaigns it covers
-less than it says, as nothing then tells how much campaigns differ.
+interval; with many campaigns it becomes the usual chi-squared one. What two campaigns move has
+Student's interval with one degree of freedom over the values of each.
 
 Mixture: given the ratio of variances lambda, parameters and new tests are Student-distributed. As
 few campaigns hardly tell lambda, its restricted likelihood is integrated over sqrt(lambda) with the
-weakly informative half-Cauchy density that Gelman 2006 recommends for few groups. With fewer than
-three campaigns the assumed density would decide, so nothing is said of new campaigns then.
+weakly informative half-Cauchy density that Gelman 2006 recommends for few groups, and over the
+growth of the scatter with the level of the damage. With two campaigns the assumed density would
+decide: nothing is foretold. With one campaign new tests are those of this laboratory alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
-from workbench.errors import InputError, SolverError
+from workbench.errors import SolverError
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.mixed import (
-    ROUND_OFF,
-    Estimate,
     best_ratio,
     criteria_at,
-    criterion_at,
+    criterion_of,
+    line_at,
+    solve_theta,
 )
-from workbench.studs.statistics.problem import Indices, Problem, jacobian, whiten
+from workbench.studs.statistics.problem import Estimate, Indices, Problem, jacobian, subset, whiten
 
 LEAST_FREEDOM = 1.0
+MOVED = 1.5  # times the variance of a parameter, from where on campaigns that differ move it
 BRACKETINGS = 40
 LARGEST_RATIO, RATIOS, RATIO_SHIFT = 1000.0, 80, 0.05  # of r = tau / sigma and its spline
 DENSE = 1500  # points over which the smooth criterion is searched
-LEAST_CAMPAIGNS = 3  # that tell how much campaigns differ
+NEGLIGIBLE = 1e-6  # weight of a point of a mixture, over the largest
 MIXED, POINTS = 100.0, 80  # largest tau / sigma of a mixture, beyond which no likelihood is left
 # scale of the half-Cauchy density of tau over sigma: 3 to 6.5 % of new tests lie below the 5 %
 # fractile of three campaigns or more where the ratio is 0.4 to 2
 USUAL_RATIO = 1.0
+# logarithm of the scatter at the largest level over that at none: normal, with this deviation
+GROWTHS, USUAL_GROWTH = np.linspace(-2.0, 2.5, 10), 1.0
 
 
 class Interval(NamedTuple):
@@ -72,7 +76,7 @@ def freedom_of(estimate: Estimate, name: str) -> float:
     s2, t2 = estimate.sigma**2, estimate.tau**2
     free = np.flatnonzero(~estimate.at_bound)
     if not given.tells_campaigns or t2 <= 1e-8 * s2:
-        return float(max(given.count - len(free), LEAST_FREEDOM))
+        return given.freedom(len(free))
     k = int(np.searchsorted(free, column))
     x = jacobian(given, estimate.theta, free)
 
@@ -115,6 +119,13 @@ def profile_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> 
     error = np.sqrt(estimate.covariance[k, k])
     if not (np.isfinite(error) and error > 0.0):
         return Interval(None, None)
+    if given.between is not None:
+        mixture, j = mixture_of(estimate), int(np.sum(~estimate.at_bound[:k]))
+        scale = np.sqrt(mixture.variance * mixture.inverse[:, j, j])
+        known = (mixture.weight, mixture.nu, mixture.theta[:, k], scale)
+        return Interval(*(quantile_of(*known, tail) for tail in tails_of(confidence)))
+    if given.campaigns == 2 and (both := _over_two(estimate, k, confidence)):
+        return both
     near = estimate.ratio
 
     @cache
@@ -140,6 +151,24 @@ def profile_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> 
     low = None if low is None else min(low, centre)
     high = None if high is None else max(high, centre)
     return Interval(low, high)
+
+
+def _over_two(estimate: Estimate, k: int, confidence: float) -> Interval | None:
+    """Student's interval over two campaigns, each by itself; None where they do not move it."""
+    from scipy.special import stdtrit
+
+    given, free = estimate.problem, np.flatnonzero(~estimate.at_bound)
+    x, column = jacobian(given, estimate.theta, free), int(np.searchsorted(free, k))
+    white = (whiten(given, x, ratio) for ratio in (0.0, 1.0))
+    alike, apart = (np.linalg.pinv(w.T @ w)[column, column] for w in white)
+    if apart < MOVED * alike:
+        return None
+    parts = [subset(given, np.flatnonzero(given.groups == group)) for group in (0, 1)]
+    if min(part.count for part in parts) < len(free):
+        return Interval(None, None)  # one of them does not tell it
+    ends = [float(solve_theta(part, 0.0, estimate.theta, free).theta[k]) for part in parts]
+    half = 0.5 * abs(ends[0] - ends[1]) * float(stdtrit(1.0, 0.5 + 0.5 * confidence))
+    return Interval(0.5 * sum(ends) - half, 0.5 * sum(ends) + half)
 
 
 def _crossing(
@@ -180,8 +209,14 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
     if estimate.is_exact:
         return dict.fromkeys(("sigma", "tau"), Interval(0.0, 0.0))
     given, s, rise = estimate.problem, estimate.sigma, float(chdtri(1.0, 1.0 - confidence))
+    if given.between is not None:
+        known = mixture_of(estimate)
+        rising = np.argsort(known.variance)
+        below, scatter = np.cumsum(known.weight[rising]), np.sqrt(known.variance[rising])
+        ends = np.interp(tails_of(confidence), below, scatter)
+        return {"sigma": Interval(*map(float, ends)), "tau": Interval(*(given.between,) * 2)}
     free = np.flatnonzero(~estimate.at_bound)
-    m, several = given.count - len(free), given.campaigns > 1
+    m, several = given.freedom(len(free)), given.campaigns > 1
     # at the best parameters, with r = tau / sigma: rest(r) + m ln(sigma^2) + size(r) / sigma^2
     r = np.concatenate([[0.0], np.geomspace(0.02, LARGEST_RATIO, RATIOS)])[: None if several else 1]
     values, variance = criteria_at(given, r * r, estimate.theta, free)
@@ -224,35 +259,66 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
 
 
 class Mixture(NamedTuple):
-    """Distributions (points,) of the free parameters, Student with `nu` degrees of freedom."""
+    """Distributions (points,) of the free parameters, Student with `nu` degrees of freedom.
+
+    The scatter of a test at a `level` is sigma exp(`growth` (level / top - 1/2)), `top` the largest
+    one; the most likely growth, and the `likelihood_ratio` to none (twice the logarithm).
+    """
 
     weight: Array
     theta: Array  # (points, p)
     ratio: Array  # tau / sigma
     variance: Array  # sigma^2
     inverse: Array  # (points, free, free), covariance over sigma^2
-    nu: float
+    nu: Array
+    growth: Array
+    top: float
+    likely: float
+    likelihood_ratio: float
+
+    def spread(self, level: Array | None, count: int) -> Array:
+        """Scatter within a campaign (points, count) at levels, over sigma, squared."""
+        x = np.zeros(count) if level is None else level / self.top - 0.5
+        return np.asarray(np.exp(2.0 * self.growth[:, None] * x))
 
 
 def mixture_of(estimate: Estimate) -> Mixture:
-    """One distribution per ratio tau / sigma, weighing by its restricted likelihood."""
+    """One distribution per tau / sigma and growth, weighing by its restricted likelihood."""
     free = np.flatnonzero(~estimate.at_bound)
-    given, every = _linear(estimate, free), np.arange(len(free))
-    # fine near zero, where the likelihood changes; its tail falls like a power
-    r = np.concatenate([[0.0], np.geomspace(0.02, MIXED, POINTS)])
-    theta, parts = np.tile(estimate.theta, (len(r), 1)), []
-    for k, each in enumerate(r):
-        value, variance, solved = criterion_at(given, float(each) ** 2, given.start, every)
-        theta[k, free] = solved.theta
-        parts.append((value, variance, np.linalg.pinv(solved.normal)))
-    values, variances, inverses = (np.array(each) for each in zip(*parts, strict=True))
-    weight = np.exp(-0.5 * (values - values.min())) * np.gradient(r)
-    weight = weight / (1.0 + (r / USUAL_RATIO) ** 2)
-    nu = given.count - len(free)
-    return Mixture(weight / weight.sum(), theta, r, variances, inverses, nu)
+    given, every = linear(estimate, free), np.arange(len(free))
+    if given.between is not None:
+        r = np.sqrt(estimate.ratio) * np.geomspace(0.125, 8.0, POINTS)
+        density = np.ones(POINTS)  # of the logarithm of sigma
+    elif given.campaigns == 1:
+        r, density = np.zeros(1), np.ones(1)
+    else:  # fine near zero, where the likelihood changes; its tail falls like a power
+        r = np.concatenate([[0.0], np.geomspace(0.02, MIXED, POINTS)])
+        density = np.gradient(r) / (1.0 + (r / USUAL_RATIO) ** 2)
+    top = 1.0 if given.level is None else float(np.max(given.level)) or 1.0
+    parts, growths = [], np.zeros(1) if given.level is None else GROWTHS
+    for growth in growths:
+        falls = 0.0 if given.level is None else -2.0 * growth * (given.level / top - 0.5)
+        weighed = replace(given, weights=given.weights * np.exp(falls))
+        best, size, normal = line_at(weighed, r * r, given.start, every)
+        value, variance = criterion_of(weighed, r * r, size, normal)
+        value -= np.sum(falls * np.ones(given.count))
+        parts.append((value, variance, best, np.linalg.pinv(normal)))
+    values, variance, best, inverse = (np.concatenate(each) for each in zip(*parts, strict=True))
+    prior = np.exp(-0.5 * (growths / USUAL_GROWTH) ** 2)[:, None] * density
+    weight = np.exp(-0.5 * (values - values.min())) * prior.ravel()
+    least = values.reshape(len(growths), -1).min(axis=1)
+    kept = weight > NEGLIGIBLE * weight.max()
+    theta = np.tile(estimate.theta, (int(kept.sum()), 1))
+    theta[:, free] = best[kept]
+    nu = given.freedom(len(free)) if given.between is None else np.inf
+    return Mixture(
+        weight[kept] / weight[kept].sum(), theta, np.tile(r, len(growths))[kept], variance[kept],
+        inverse[kept], np.full(int(kept.sum()), nu), np.repeat(growths, len(r))[kept], top,
+        float(growths[np.argmin(least)]), float(least[growths == 0.0][0] - least.min()),
+    )  # fmt: skip
 
 
-def _linear(estimate: Estimate, free: Indices) -> Problem:
+def linear(estimate: Estimate, free: Indices) -> Problem:
     """The problem of the `free` parameters, its prediction linear around the best ones."""
     given, theta = estimate.problem, estimate.theta
     x, none = jacobian(given, theta, free), np.full(len(free), np.inf)
@@ -261,16 +327,7 @@ def _linear(estimate: Estimate, free: Indices) -> Problem:
     return replace(known, names=names, start=theta[free], lower=-none, upper=none)
 
 
-class Part(NamedTuple):
-    """One of several candidates: its `weight`, its fit, and the new tests as it describes them."""
-
-    weight: float
-    estimate: Estimate
-    mixture: Mixture
-    held: Problem
-
-
-def _quantile(weight: Array, nu: Array, centre: Array, scale: Array, share: float) -> float:
+def quantile_of(weight: Array, nu: Array, centre: Array, scale: Array, share: float) -> float:
     """Value which a `share` of a mixture of Student distributions (points,) lies below."""
     from scipy.optimize import brentq
     from scipy.special import stdtr
@@ -285,52 +342,3 @@ def _quantile(weight: Array, nu: Array, centre: Array, scale: Array, share: floa
     while below(high) < 0.0:
         high += width
     return float(brentq(below, low, high, xtol=1e-9 * width))
-
-
-def averaged_quantile(
-    parts: Sequence[Part], shares: Sequence[float], median: Sequence[float] = ()
-) -> Array:
-    """Values (shares + median, n) that shares of a distribution lie below, in the unit of y.
-
-    `shares`, of new tests in a new campaign; `median`, of what the tests tell of the median over
-    campaigns. The distributions of the candidates are averaged with their weights.
-    """
-    weights, centres, scales, freedoms = [], [], [], []
-    for weight, estimate, mixture, held in parts:
-        free = np.flatnonzero(~estimate.at_bound)
-        middle, x = held.predict(estimate.theta), jacobian(held, estimate.theta, free)
-        spread = np.maximum(np.einsum("nj,kjl,nl->kn", x, mixture.inverse, x), 0.0)
-        shares_of_sigma = np.array([spread + 1.0 + mixture.ratio[:, None] ** 2, spread])
-        scales.append(np.sqrt(mixture.variance[:, None] * shares_of_sigma))
-        centres.append(middle + (mixture.theta[:, free] - estimate.theta[free]) @ x.T)
-        weights.append(weight * mixture.weight)
-        freedoms.append(np.full(len(mixture.weight), float(mixture.nu)))
-    centre, share_of, nu = (np.concatenate(each) for each in (centres, weights, freedoms))
-    least = ROUND_OFF * max(1.0, float(np.max(np.abs(centre))))
-    both = np.maximum(np.concatenate(scales, axis=1), least)
-    values = []
-    for scale, wanted in zip(both, (shares, median), strict=True):
-        columns, index = np.unique(np.vstack([centre, scale]), axis=1, return_inverse=True)
-        for share in wanted:
-            each = [
-                _quantile(share_of, nu, column[: len(nu)], column[len(nu) :], share)
-                for column in columns.T
-            ]
-            values.append(np.array(each)[np.ravel(index)])
-    return np.array(values)
-
-
-def predictive_quantile(estimate: Estimate, held: Problem, share: float) -> Array:
-    """Value (n,) below which a `share` of new tests in a new campaign lies, in the unit of y.
-
-    `held`: a problem whose rows describe the new tests (its y is not used). Raises `InputError` for
-    fewer than three campaigns behind the estimate.
-    """
-    count = estimate.problem.campaigns
-    if count < LEAST_CAMPAIGNS:
-        reason = f"must be {LEAST_CAMPAIGNS} or more to say anything of a new campaign"
-        raise InputError("campaigns", count, reason, "fewer do not tell how much campaigns differ")
-    if estimate.is_exact:
-        return held.predict(estimate.theta)
-    part = Part(1.0, estimate, mixture_of(estimate), held)
-    return np.asarray(averaged_quantile([part], [share])[0])

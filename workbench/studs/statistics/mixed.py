@@ -14,51 +14,26 @@ from workbench.arrays import Flags
 from workbench.errors import InputError, SolverError
 from workbench.fields import Choice
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.problem import Indices, Problem, jacobian, log_determinant, whiten
+from workbench.studs.statistics.problem import (
+    Estimate,
+    Indices,
+    Problem,
+    jacobian,
+    log_determinant,
+    whiten,
+)
 
 GRID = (0.0, 0.01, 0.05, 0.2, 0.6, 2.0, 6.0, 20.0, 1e2, 1e3, 1e4, 1e6)  # lambda, to find the valley
 TOLERANCES: dict[str, float | None] = {"xtol": 1e-9, "ftol": 1e-11, "gtol": None}
 EVALUATIONS = 100
+LEAST_RATIO = 1e-12  # lambda where tau is known
 SIMPLEX = 2000  # evaluations per parameter
-ROUND_OFF = 1e-7  # a sum of squares is known to 1e-16 of the observations, its root to 1e-8
 NEAR = (0.625, 1.0, 1.6)  # times a lambda known to be near
 BEYOND = 100.0
 STEPS = 3  # of Brent's method from three of them
 LOSSES = {"linear": 0.0, "huber": 1.345, "bisquare": 4.685}
 REWEIGHTINGS = 30
 ROUNDS, CUTS = 3, 41  # of the valley of a linear problem: 1/8000 of it is left
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A fitted `Problem`.
-
-    `theta` (p,); `sigma` within and `tau` between campaigns; `covariance` (p, p) of theta;
-    `at_bound` (p,); `residuals` (n,), without the predicted effects of the campaigns.
-    """
-
-    problem: Problem
-    theta: Array
-    sigma: float
-    tau: float
-    covariance: Array
-    at_bound: Flags
-    residuals: Array
-
-    @property
-    def is_exact(self) -> bool:
-        """Whether the prediction meets the observations to round-off: nothing scatters."""
-        scale = max(1.0, float(np.max(np.abs(self.problem.y))))
-        return float(np.hypot(self.sigma, self.tau)) <= ROUND_OFF * scale
-
-    @property
-    def ratio(self) -> float:
-        """Ratio of variances, lambda = tau^2 / sigma^2."""
-        return (self.tau / self.sigma) ** 2 if self.sigma > 0.0 else 0.0
-
-    def parameter(self, name: str) -> float:
-        """Estimate of a parameter."""
-        return float(self.theta[self.problem.index(name)])
 
 
 @dataclass(frozen=True)
@@ -88,25 +63,31 @@ def solve_theta(given: Problem, ratio: float, start: Array, free: Indices) -> So
 
 
 def _solve_linear(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:
+    theta, (best, size, normal) = start.copy(), line_at(given, np.full(1, ratio), start, free)
+    theta[free] = best[0]
+    return Solved(theta, max(float(size[0]), 0.0), normal[0], np.zeros(len(free), bool))
+
+
+def line_at(
+    given: Problem, ratios: Array, start: Array, free: Indices
+) -> tuple[Array, Array, Array]:
+    """Best parameters (k, free), sums of squares and normal matrices of a line for lambda (k,)."""
     assert given.moments is not None
     cross, sums, totals = given.moments
-    matrix = cross - (sums.T * (ratio / (1.0 + ratio * totals))) @ sums
+    shrink = ratios[:, None] / (1.0 + ratios[:, None] * totals)
+    matrices = cross - np.einsum("kc,ci,cj->kij", shrink, sums, sums)
     # held parameters move to the right side: r = y - X_held theta_held
-    residual = -start.copy()
-    residual[free] = 0.0
-    combination = np.append(residual, 1.0)
-    right = matrix[free] @ combination
-    normal = matrix[np.ix_(free, free)]
-    theta = start.copy()
-    if len(free):
-        _check_influence(given, np.diag(normal), free, start)
-        try:
-            theta[free] = np.linalg.solve(normal, right)
-        except np.linalg.LinAlgError:  # parameters that cannot be told apart: refused by `fit`
-            theta[free] = np.linalg.lstsq(normal, right, rcond=None)[0]
-    combination[free] = -theta[free]
-    size = float(combination @ matrix @ combination)
-    return Solved(theta, max(size, 0.0), normal, np.zeros(len(free), bool))
+    combination = np.append(-start, 1.0)
+    combination[free] = 0.0
+    right = matrices[:, free] @ combination
+    normal = matrices[np.ix_(np.arange(len(ratios)), free, free)]
+    _check_influence(given, np.diag(normal[0]), free, start)
+    try:
+        best = np.linalg.solve(normal, right[..., None])[..., 0]
+    except np.linalg.LinAlgError:  # parameters that cannot be told apart: refused by `fit`
+        best = (np.linalg.pinv(normal) @ right[..., None])[..., 0]
+    size = combination @ matrices @ combination - np.sum(best * right, axis=1)
+    return best, size, normal
 
 
 def _check_influence(given: Problem, scale: Array, free: Indices, theta: Array) -> None:
@@ -169,34 +150,28 @@ def criterion_at(
         x = given.tangent[:, free]
         x = whiten(given, x[:, np.any(x != 0.0, axis=0)], ratio)
         normal = x.T @ x
-    m = given.count - len(normal)
-    information = log_determinant(normal) if len(normal) else 0.0
-    variance = max(solved.size / m, np.finfo(float).tiny)
-    determinant = float(np.sum(np.log1p(ratio * given.totals)))
-    return m * float(np.log(variance)) + information + determinant + m, variance, solved
+    ratios, size = np.full(1, ratio), np.full(1, solved.size)
+    value, variance = criterion_of(given, ratios, size, normal[None])
+    return float(value[0]), float(variance[0]), solved
+
+
+def criterion_of(given: Problem, ratios: Array, size: Array, normal: Array) -> tuple[Array, Array]:
+    """Criterion and sigma^2 (k,) for lambda (k,): the best sigma, or that of a known tau."""
+    m = given.freedom(normal.shape[-1])
+    size = np.maximum(size, m * np.finfo(float).tiny)
+    variance = size / m
+    if given.between is not None:
+        variance = given.between**2 / np.maximum(ratios, LEAST_RATIO)
+    determinant = np.log1p(ratios[:, None] * given.totals).sum(axis=1)
+    information = log_determinant(normal) + determinant
+    return m * np.log(variance) + size / variance + information, variance
 
 
 def criteria_at(given: Problem, ratios: Array, start: Array, free: Indices) -> tuple[Array, Array]:
     """Criterion and sigma^2 of `criterion_at` (k,) for many lambda (k,), of a line all at once."""
     if given.moments is None:
         return _one_by_one(given, ratios, start, free)
-    cross, sums, totals = given.moments
-    shrink = ratios[:, None] / (1.0 + ratios[:, None] * totals)
-    matrices = cross - np.einsum("kc,ci,cj->kij", shrink, sums, sums)
-    combination = np.append(-start, 1.0)
-    combination[free] = 0.0
-    right = matrices[:, free] @ combination
-    normal = matrices[np.ix_(np.arange(len(ratios)), free, free)]
-    _check_influence(given, np.diag(normal[0]), free, start)
-    sign, information = np.linalg.slogdet(normal)
-    if np.any(sign <= 0.0):  # singular to round-off
-        return _one_by_one(given, ratios, start, free)
-    rest = combination @ matrices @ combination
-    best = np.linalg.solve(normal, right[..., None])[..., 0]
-    m = given.count - len(free)
-    variance = np.maximum((rest - np.sum(best * right, axis=1)) / m, np.finfo(float).tiny)
-    determinant = np.log1p(ratios[:, None] * totals).sum(axis=1)
-    return m * np.log(variance) + information + determinant + m, variance
+    return criterion_of(given, ratios, *line_at(given, ratios, start, free)[1:])
 
 
 def _one_by_one(given: Problem, ratios: Array, start: Array, free: Indices) -> tuple[Array, Array]:
@@ -330,8 +305,9 @@ def fit_robust(given: Problem, loss: str = "huber") -> Estimate:
     """Fit with a robust loss by iterated reweighting of the observations.
 
     Arguments: `loss`, a name in `LOSSES`; the scale is the median absolute residual / 0.6745. The
-    scatter found is that of the body of the tests; outliers are down-weighted, not removed. Source:
-    Huber and Ronchetti 2009. Raises `InputError`.
+    scatter found is that of the body of the tests; outliers are down-weighted, not removed. A test
+    counts for the slope of its bounded residual, whose mean over normal tests is what bounding
+    takes from the sum of squares. Source: Huber and Ronchetti 2009. Raises `InputError`.
     """
     Choice(tuple(LOSSES)).check("loss", loss)
     result, tuning = fit(given), LOSSES[loss]
@@ -346,5 +322,12 @@ def fit_robust(given: Problem, loss: str = "huber") -> Estimate:
             weights = np.square(np.maximum(1.0 - z * z, 1e-4))
         if np.max(np.abs(weights - result.problem.weights)) < 1e-4:
             return result
-        result = fit(replace(given, weights=weights), start=result.theta)
+        result = fit(weighed(given, weights, loss), start=result.theta)
     return result
+
+
+def weighed(given: Problem, weights: Array, loss: str) -> Problem:
+    """The problem with the weights (n,) of a loss, and what each test then counts for."""
+    root = np.sqrt(weights)  # of bisquare: 1 - z^2, and the slope is (1 - z^2) (1 - 5 z^2)
+    slope = weights >= 1.0 if loss == "huber" else root * np.maximum(5.0 * root - 4.0, 0.0)
+    return replace(given, weights=weights, shares=slope.astype(float))

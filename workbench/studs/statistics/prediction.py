@@ -1,12 +1,11 @@
-"""What is left out, predicted from the others: campaigns, and single tests.
+"""New tests foretold; what is left out, predicted from the others: campaigns, and single tests.
 
-Relations are weighed by it, outliers found, and the influence of every test on the answer. Also
-which formulas the scatter of tests tells apart.
+Relations are weighed by it, outliers found, and the influence of every test on the answer.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -15,15 +14,85 @@ from workbench.arrays import Flags
 from workbench.errors import InputError, SolverError
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.intervals import (
-    LEAST_CAMPAIGNS,
-    predictive_quantile,
+    Mixture,
+    linear,
+    mixture_of,
+    quantile_of,
     tails_of,
 )
-from workbench.studs.statistics.mixed import ROUND_OFF, Estimate, fit, solve_theta
-from workbench.studs.statistics.problem import Problem, jacobian, subset, whiten
+from workbench.studs.statistics.mixed import fit, fit_robust, solve_theta
+from workbench.studs.statistics.problem import (
+    LEAST_CAMPAIGNS,
+    NEW,
+    ROUND_OFF,
+    Estimate,
+    Indices,
+    Problem,
+    jacobian,
+    subset,
+    whiten,
+)
 
 DRAWS = 2000  # of the weights of the left-out parts
 MOST_LEFT_OUT = 50  # campaigns; with more of them, as many evenly through the table tell the same
+
+
+class Part(NamedTuple):
+    """One of several candidates: its `weight`, its fit, and the new tests as it describes them."""
+
+    weight: float
+    estimate: Estimate
+    mixture: Mixture
+    held: Problem
+
+
+def averaged_quantile(
+    parts: Sequence[Part], shares: Sequence[float], median: Sequence[float] = ()
+) -> Array:
+    """Values (shares + median, n) that shares of a distribution lie below, in the unit of y.
+
+    `shares`, of new tests in a new campaign; `median`, of what the tests tell of the median over
+    campaigns. The distributions of the candidates are averaged with their weights.
+    """
+    weights, centres, scales, freedoms = [], [], [], []
+    for weight, estimate, mixture, held in parts:
+        free = np.flatnonzero(~estimate.at_bound)
+        middle, x = held.predict(estimate.theta), jacobian(held, estimate.theta, free)
+        spread = np.maximum(np.einsum("nj,kjl,nl->kn", x, mixture.inverse, x), 0.0)
+        test = mixture.spread(held.level, held.count) + mixture.ratio[:, None] ** 2
+        shares_of_sigma = np.array([spread + test, spread])
+        scales.append(np.sqrt(mixture.variance[:, None] * shares_of_sigma))
+        centres.append(middle + (mixture.theta[:, free] - estimate.theta[free]) @ x.T)
+        weights.append(weight * mixture.weight)
+        freedoms.append(mixture.nu)
+    centre, share_of, nu = (np.concatenate(each) for each in (centres, weights, freedoms))
+    least = ROUND_OFF * max(1.0, float(np.max(np.abs(centre))))
+    both = np.maximum(np.concatenate(scales, axis=1), least)
+    values = []
+    for scale, wanted in zip(both, (shares, median), strict=True):
+        columns, index = np.unique(np.vstack([centre, scale]), axis=1, return_inverse=True)
+        for share in wanted:
+            each = [
+                quantile_of(share_of, nu, column[: len(nu)], column[len(nu) :], share)
+                for column in columns.T
+            ]
+            values.append(np.array(each)[np.ravel(index)])
+    return np.array(values)
+
+
+def predictive_quantile(estimate: Estimate, held: Problem, share: float) -> Array:
+    """Value (n,) below which a `share` of new tests lies, in the unit of y.
+
+    New tests are those of a new campaign, or of the only one (`Problem.foretold`). `held`: a
+    problem whose rows describe them (its y is not used). Raises `InputError` for two campaigns.
+    """
+    if not estimate.problem.foretold:
+        reason = f"must be {LEAST_CAMPAIGNS} or more to say anything of a new campaign"
+        raise InputError("campaigns", 2, reason, "fewer do not tell how much campaigns differ")
+    if estimate.is_exact:
+        return held.predict(estimate.theta)
+    part = Part(1.0, estimate, mixture_of(estimate), held)
+    return np.asarray(averaged_quantile([part], [share])[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +136,7 @@ def _parted(given: Problem, inside: Flags) -> tuple[Problem, Problem]:
 
 def coverage(estimate: Estimate, held: Problem, confidence: float) -> float | None:
     """Share of the tests of `held` inside their prediction interval (None: too few campaigns)."""
-    if estimate.problem.campaigns < LEAST_CAMPAIGNS:
+    if estimate.problem.foretold != NEW:
         return None
     low, high = (predictive_quantile(estimate, held, share) for share in tails_of(confidence))
     return float(np.mean((held.y >= low) & (held.y <= high)))
@@ -160,6 +229,7 @@ def score_relations(estimates: Mapping[str, Estimate]) -> list[Score]:
 
 
 CHANCE = 0.05  # that a table without outliers has one found in it
+DOUBTED = 2.5  # robust standard deviations, from where on a test is looked at
 
 
 class Outlier(NamedTuple):
@@ -191,28 +261,35 @@ def deleted_residuals(estimate: Estimate) -> Array:
     return np.asarray(np.sign(z) * np.sqrt(square / others))
 
 
-def usual_distance(estimate: Estimate) -> float:
-    """Deleted residual that none of as many tests exceeds but by chance (Bonferroni)."""
+def outliers(estimate: Estimate) -> list[Outlier]:
+    """Tests farther off than chance lets any of as many be (Bonferroni), farthest first.
+
+    The weights of a loss do not count, so that every loss names the same. The order is that of
+    the distance from a fit that outliers do not pull, by the median absolute residual; each test is
+    judged by those that are nearer, so that outliers do not hide each other. Source: Rosner 1983.
+    """
     from scipy.special import stdtrit
 
-    given = estimate.problem
-    nu = max(given.count - int((~estimate.at_bound).sum()) - 1, 1)
-    return float(stdtrit(nu, 1.0 - 0.5 * CHANCE / given.count))
+    given, free = estimate.problem, np.flatnonzero(~estimate.at_bound)
+    alike = replace(linear(estimate, free), weights=np.ones(given.count), shares=None)
 
+    def distance(row: int, others: Indices) -> float:
+        return float(deleted_residuals(fit(subset(alike, np.append(others, row))))[-1])
 
-def outliers(estimate: Estimate) -> list[Outlier]:
-    """Tests farther off than chance lets any be (`usual_distance`), farthest first."""
-    given, distance = estimate.problem, deleted_residuals(estimate)
-    limit, far = usual_distance(estimate), []
-    for k in np.argsort(-np.abs(distance)):
-        if abs(distance[k]) <= limit:
-            break
-        try:
-            theta = fit(subset(given, np.flatnonzero(np.arange(given.count) != k))).theta
-        except (InputError, SolverError):
-            theta = estimate.theta
-        far.append(Outlier(int(k), float(distance[k]), float(given.predict(theta)[k])))
-    return far
+    try:
+        off = np.abs(fit_robust(alike, "bisquare").residuals)
+        order, doubted = np.argsort(-off), off > DOUBTED / 0.6745 * np.median(off)
+        far, most = 0, max(min(int(doubted.sum()), given.count // 3), 1)
+        for k in range(min(most, given.count - len(free) - 2)):
+            chance = 0.5 * CHANCE / (given.count - k)
+            usual = stdtrit(given.count - k - len(free) - 1.0, 1.0 - chance)
+            far = k + 1 if abs(distance(order[k], order[k + 1 :])) > usual else far
+        rest = order[far:]
+        alone = replace(subset(given, rest), weights=np.ones(len(rest)), shares=None)
+        expected = given.predict(fit(alone).theta if far else estimate.theta)
+        return [Outlier(int(k), distance(k, rest), float(expected[k])) for k in order[:far]]
+    except (InputError, SolverError):  # too few others to judge by
+        return []
 
 
 def without_each(estimate: Estimate) -> Array:
@@ -240,44 +317,8 @@ def influence_of(
     one; `distance`, the deleted residual in standard deviations; `outlier`, whether that is more
     than chance explains.
     """
-    distance = deleted_residuals(estimate)
-    far = np.abs(distance) > usual_distance(estimate)
+    distance, outlier = deleted_residuals(estimate), np.zeros(len(rows), bool)
+    for each in outliers(estimate):
+        distance[each.row], outlier[each.row] = each.distance, True
     table = rows[["campaign", "specimen"]].assign(answer=answer, value=value, without=without)
-    return table.assign(distance=distance, outlier=far)
-
-
-LIKE = 1.01  # ratio of scatters that is no difference: an interval must lie above it
-_EQUAL = 1e-12  # of squares of logarithms
-
-
-def rank_scatters(tests: pd.DataFrame, confidence: float) -> pd.DataFrame:
-    """Formulas by their scatter within campaigns, the least first, among equals the first.
-
-    Arguments: `tests`, rows with `of` (the formula), campaign, specimen and ratio, test over
-    prediction; those count that every formula has a value for. Columns of the result: `of`, `ratio`
-    of the scatter to the least one with its interval `low`, `high` (NaN with too few tests), and
-    `apart`, whether that lies above `LIKE`. Source: Pitman 1939, standard deviations of correlated
-    normal variables.
-    """
-    from scipy.special import stdtrit
-
-    names = list(dict.fromkeys(tests["of"]))
-    ratios = tests.pivot_table("ratio", ["campaign", "specimen"], "of")[names]
-    logs = ratios.dropna().apply(np.log)
-    campaigns = logs.groupby(level="campaign")
-    left, nu = logs - campaigns.transform("mean"), len(logs) - campaigns.ngroups - 1
-    products = left.T.to_numpy() @ left.to_numpy()
-    squares = np.diag(products)
-    best = int(np.flatnonzero(squares <= squares.min() + _EQUAL)[0])
-    rows: list[dict[str, Any]] = [{"of": names.pop(best), "ratio": 1.0, "apart": False}]
-    for k in (k for k in range(len(squares)) if k != best):
-        row = {"of": str(left.columns[k]), "apart": False}
-        if nu > 0 and squares[best] > _EQUAL:
-            ratio = float(np.sqrt(squares[k] / squares[best]))
-            unshared = max(1.0 - products[k, best] ** 2 / (squares[k] * squares[best]), 0.0)
-            wide = 1.0 + 2.0 * unshared * float(stdtrit(nu, 0.5 + 0.5 * confidence)) ** 2 / nu
-            factor = float(np.sqrt(wide + np.sqrt(wide**2 - 1.0)))
-            ends = {"low": ratio / factor, "high": ratio * factor}
-            row |= {"ratio": ratio, **ends, "apart": ratio / factor > LIKE}
-        rows.append(row)
-    return pd.DataFrame(rows, columns=["of", "ratio", "low", "high", "apart"])
+    return table.assign(distance=distance, outlier=outlier)

@@ -1,4 +1,4 @@
-"""What a regression with campaign effects is asked: observations, prediction, bounds, weights."""
+"""A regression with campaign effects: what is fitted, and what was found."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from workbench.arrays import Flags
 from workbench.arrays import Indices as Indices
 from workbench.errors import InputError
 from workbench.fields import Choice
@@ -15,6 +16,9 @@ from workbench.studs.quantities import Array
 Prediction = Callable[[Array], Array]
 
 DIFFERENCE = 1e-6
+ROUND_OFF = 1e-7  # a sum of squares is known to 1e-16 of the observations, its root to 1e-8
+LEAST_CAMPAIGNS = 3  # that tell how much campaigns differ
+NEW, OWN = "new campaigns", "this laboratory alone"
 
 
 @dataclass(frozen=True)
@@ -23,7 +27,9 @@ class Problem:
 
     `names` of the parameters, `start`, `lower`, `upper` (p,); `weights` (n,); `design` (n, p) for
     a linear prediction (then `predict` is design @ theta); `tangent` (n, p), slopes of any other
-    near its best parameters, set by `fit`.
+    near its best parameters, set by `fit`; `shares` (n,) of a test that each row counts for (None:
+    one); `between`, scatter between campaigns if it is known; `level` (n,), along which the scatter
+    may grow (None: it is one).
     """
 
     y: Array
@@ -37,6 +43,9 @@ class Problem:
     labels: tuple[str, ...]
     design: Array | None = None
     tangent: Array | None = None
+    shares: Array | None = None
+    between: float | None = None
+    level: Array | None = None
 
     @cached_property
     def moments(self) -> tuple[Array, Array, Array] | None:
@@ -71,6 +80,11 @@ class Problem:
         """Number of observations."""
         return len(self.y)
 
+    def freedom(self, parameters: int) -> float:
+        """Degrees of freedom that tell the scatter: what a robust loss bounds does not."""
+        telling = float(self.count if self.shares is None else np.sum(self.shares))
+        return max(telling - parameters, 1.0)
+
     @property
     def campaigns(self) -> int:
         """Number of campaigns."""
@@ -79,12 +93,51 @@ class Problem:
     @property
     def tells_campaigns(self) -> bool:
         """Whether scatter within and between campaigns can be told apart: some have two rows."""
-        return 1 < self.campaigns < self.count
+        return self.between is not None or 1 < self.campaigns < self.count
+
+    @property
+    def foretold(self) -> str:
+        """The campaigns whose new tests can be foretold, in words; empty for none."""
+        if self.between is not None or self.campaigns >= LEAST_CAMPAIGNS:
+            return NEW
+        return OWN if self.campaigns == 1 else ""
 
     def index(self, name: str) -> int:
         """Place of a parameter. Raises `InputError` for an unknown one."""
         Choice(self.names).check("parameter", name)
         return self.names.index(name)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A fitted `Problem`.
+
+    `theta` (p,); `sigma` within and `tau` between campaigns; `covariance` (p, p) of theta;
+    `at_bound` (p,); `residuals` (n,), without the predicted effects of the campaigns.
+    """
+
+    problem: Problem
+    theta: Array
+    sigma: float
+    tau: float
+    covariance: Array
+    at_bound: Flags
+    residuals: Array
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the prediction meets the observations to round-off: nothing scatters."""
+        scale = max(1.0, float(np.max(np.abs(self.problem.y))))
+        return float(np.hypot(self.sigma, self.tau)) <= ROUND_OFF * scale
+
+    @property
+    def ratio(self) -> float:
+        """Ratio of variances, lambda = tau^2 / sigma^2."""
+        return (self.tau / self.sigma) ** 2 if self.sigma > 0.0 else 0.0
+
+    def parameter(self, name: str) -> float:
+        """Estimate of a parameter."""
+        return float(self.theta[self.problem.index(name)])
 
 
 def problem(
@@ -148,6 +201,8 @@ def subset(given: Problem, rows: Indices) -> Problem:
         groups=groups.astype(np.int64),
         predict=(lambda theta: whole(theta)[rows]) if design is None else _linear(design),
         weights=given.weights[rows],
+        shares=None if given.shares is None else given.shares[rows],
+        level=None if given.level is None else given.level[rows],
         labels=tuple(given.labels[k] for k in labels),
         design=design,
         tangent=None,
@@ -179,11 +234,12 @@ def whiten(given: Problem, x: Array, ratio: float) -> Array:
     return np.asarray(scaled - directions.T @ along.T)
 
 
-def log_determinant(normal: Array) -> float:
-    """Logarithm of the determinant of a normal matrix (p, p), bounded where it is singular."""
+def log_determinant(normal: Array) -> Array:
+    """Logarithms of the determinants of normal matrices (k, p, p), bounded where singular."""
     sign, value = np.linalg.slogdet(normal)
-    if sign > 0.0:
-        return float(value)
+    if np.all(sign > 0.0):
+        return np.asarray(value)
     # singular to round-off: bounded, so that the search goes on until `fit` refuses it
     values = np.linalg.eigvalsh(normal)
-    return float(np.sum(np.log(np.maximum(values, 1e-14 * max(values.max(), 1e-300)))))
+    least = 1e-14 * np.maximum(values.max(axis=1, keepdims=True), 1e-300)
+    return np.asarray(np.sum(np.log(np.maximum(values, least)), axis=1))
