@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -215,7 +216,10 @@ def add_frame_model(root: Path) -> None:
 def add_law(root: Path) -> None:
     laws = root / "workbench/studs/load_slip.py"
     swap(laws, "LAWS: dict", f"{LAW}LAWS: dict")
-    swap(laws, "BilinearLaw, RationalLaw)", "BilinearLaw, RationalLaw, HyperbolicLaw)")
+    text = laws.read_text(encoding="utf-8")
+    listed = re.search(r"LAWS: dict.* in \(([\w\s,]+)\)", text)
+    assert listed is not None
+    swap(laws, f"({listed[1]})", f"({listed[1].rstrip(', ')}, HyperbolicLaw)")
 
 
 def add_verb(root: Path) -> None:
