@@ -285,11 +285,11 @@ def contents(root: Path) -> dict[Path, bytes]:
 def install(root: Path) -> None:
     """Do what an installation does with the declared entry points."""
     project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    directory = root / f"workbench-{project['version']}.dist-info"
+    directory = root / f"steel_impact_workbench-{project['version']}.dist-info"
     directory.mkdir()
     points = project["entry-points"]["workbench.models"]
     lines = "".join(f"{name} = {target}\n" for name, target in points.items())
     (directory / "entry_points.txt").write_text(f"[workbench.models]\n{lines}")
     (directory / "METADATA").write_text(
-        f"Metadata-Version: 2.1\nName: workbench\nVersion: {project['version']}\n"
+        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
     )

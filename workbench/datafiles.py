@@ -86,4 +86,4 @@ def check_library(ending: str, field: str) -> None:
     library = _LIBRARIES.get(ending)
     if library is not None and find_spec(library) is None:
         reason = f"needs {library}, which is not installed"
-        raise InputError(field, ending, reason, "pip install 'workbench[tables]'")
+        raise InputError(field, ending, reason, "pip install 'steel-impact-workbench[tables]'")

@@ -96,7 +96,7 @@ def test_a_file_in_place_of_the_folder_of_shapes(column, tmp_path: Path) -> None
 @pytest.mark.parametrize(("ending", "library"), [("parquet", "pyarrow"), ("xlsx", "openpyxl")])
 def test_tables_name_the_extra_that_they_need(ending, library, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, library, None)
-    with pytest.raises(InputError, match=r"pip install 'workbench\[tables\]'"):
+    with pytest.raises(InputError, match=r"pip install 'steel-impact-workbench\[tables\]'"):
         table_bytes(TABLE, ending)
 
 
