@@ -12,6 +12,7 @@ import pytest
 from workbench.cli import run
 from workbench.report.drawing.style import house_style
 from workbench.report.gallery import to_svg
+from workbench.scenarios import Column, ColumnImpact, Striker
 
 DOCS = Path(__file__).parents[2] / "docs"
 CELL = re.compile(r"^```\{code-cell\}[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
@@ -27,6 +28,32 @@ def test_cells_of_notebooks_run(name: str) -> None:
             exec(compile(cell, name, "exec"), names)
     finally:
         plt.close("all")
+
+
+def test_the_plug_in_of_the_guide_runs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = (DOCS / "contributing.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    file = tmp_path / "plug_in.py"
+    file.write_text(code, encoding="utf-8")
+    runpy.run_path(str(file), run_name="__main__")
+    assert "rigid-plastic" in capsys.readouterr().out
+
+
+def test_what_a_column_gives_is_there() -> None:
+    page = (DOCS / "reference.md").read_text(encoding="utf-8")
+    column = Column("HEB 220", 0.8, 3.2)
+    names = {"column": column, "scenario": ColumnImpact("hit", column, Striker(1500.0, 10.0))}
+    names |= {"steel": column.steel}
+    rows = re.findall(r"^\| (`(?:column|scenario)\..*?) \|", page, re.MULTILINE)
+    assert len(rows) > 8
+    for row in rows:
+        first, *others = re.findall(r"`([^`]+)`", row)
+        parent = first.partition("(")[0].rpartition(".")[0]
+        for each in (first, *others):
+            known = each.startswith(("column.", "scenario."))
+            eval(each if known else f"{parent}.{each.lstrip('.')}", dict(names))
 
 
 def test_commands_of_the_tutorial_run(
