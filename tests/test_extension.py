@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -215,7 +216,10 @@ def add_frame_model(root: Path) -> None:
 def add_law(root: Path) -> None:
     laws = root / "workbench/studs/load_slip.py"
     swap(laws, "LAWS: dict", f"{LAW}LAWS: dict")
-    swap(laws, "BilinearLaw, RationalLaw)", "BilinearLaw, RationalLaw, HyperbolicLaw)")
+    text = laws.read_text(encoding="utf-8")
+    listed = re.search(r"LAWS: dict.* in \(([\w\s,]+)\)", text)
+    assert listed is not None
+    swap(laws, f"({listed[1]})", f"({listed[1].rstrip(', ')}, HyperbolicLaw)")
 
 
 def add_verb(root: Path) -> None:
@@ -281,11 +285,11 @@ def contents(root: Path) -> dict[Path, bytes]:
 def install(root: Path) -> None:
     """Do what an installation does with the declared entry points."""
     project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    directory = root / f"workbench-{project['version']}.dist-info"
+    directory = root / f"steel_impact_workbench-{project['version']}.dist-info"
     directory.mkdir()
     points = project["entry-points"]["workbench.models"]
     lines = "".join(f"{name} = {target}\n" for name, target in points.items())
     (directory / "entry_points.txt").write_text(f"[workbench.models]\n{lines}")
     (directory / "METADATA").write_text(
-        f"Metadata-Version: 2.1\nName: workbench\nVersion: {project['version']}\n"
+        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
     )

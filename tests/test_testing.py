@@ -111,6 +111,7 @@ CASES: dict[str, tuple[Any, str]] = {
         "balance_error without input_energy",
     ),
     "peak": (scaled("peak_displacement", 1.1), "is not that of its history"),
+    "no peak": (changed(lambda r: r.drop_vars(["peak_displacement", "time_of_peak"])), "no peak"),
     "units": (
         changed(lambda r: r.assign(impulse=1.0)),
         "'impulse' lacks units",

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from workbench.errors import InputError
 from workbench.fields import Number
+from workbench.materials import GRADES, Steel
 from workbench.scenarios import Column, load_scenario, scenario_hash
 from workbench.sections import SECTION, circular_tube, find, rectangular_tube, square_tube
 from workbench.units import in_si
@@ -95,3 +96,45 @@ def test_tubes_that_cannot_be_are_refused(name: str, message: str) -> None:
     with pytest.raises(InputError, match=r"column\.section = ") as error:
         find(name, "column.section")
     assert message in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("striker.velocity=30 kmh", r"unit kmh is not known; .*did you mean km/h\?"),
+        ("column.length_below=0,8 m", "decimals have a point; write a number without quotes"),
+        ("column.base=fixed", "one of clamped, pinned; a support that is fixed.* is clamped"),
+        ("column.grade=S355", r"column\.grade: unknown key; grade stands in \[steel\]"),
+    ],
+)
+def test_messages_name_what_was_meant(override: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        load_scenario(FILE, [override])
+
+
+@pytest.mark.parametrize(
+    ("written", "thickness", "stress", "like"),
+    [
+        ("S355J2", None, 355e6, "S355"),
+        ("s355 jr", 0.03, 345e6, "S355"),
+        ("S275", None, 275e6, "S235"),
+        ("S 275 J0H", 0.05, 255e6, "S235"),
+        ("S420", 0.02, 400e6, "S460"),
+        ("S450J0", None, 450e6, "S460"),
+        ("A36", 0.05, 250e6, "S235"),
+        ("ASTM A992", None, 345e6, "S355"),
+        ("A572 Gr. 50", 0.03, 345e6, "S355"),
+    ],
+)
+def test_grades_are_read_as_people_write_them(
+    written: str, thickness: float | None, stress: float, like: str
+) -> None:
+    steel = Steel(grade=written, thickness=thickness)
+    assert steel.yield_stress == stress
+    assert steel.rate == GRADES[like][1]
+
+
+@pytest.mark.parametrize("written", ["S356", "A572 Gr 60", "A500", "S355 stainless"])
+def test_other_grades_are_refused_with_the_known_ones(written: str) -> None:
+    with pytest.raises(InputError, match=r"steel\.grade.*S235, S275, S355, S420, S450, S460, A36"):
+        Steel(grade=written)

@@ -83,4 +83,4 @@ def check_library(ending: str, field: str) -> None:
     """Refuse an ending whose library is not installed. Raises `InputError`."""
     if ending == "parquet" and find_spec("pyarrow") is None:
         reason = "needs pyarrow, which is not installed"
-        raise InputError(field, ending, reason, "pip install 'workbench[tables]'")
+        raise InputError(field, ending, reason, "pip install 'steel-impact-workbench[tables]'")

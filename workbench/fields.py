@@ -3,6 +3,7 @@
 import dataclasses
 import difflib
 import math
+import re
 import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
@@ -81,8 +82,9 @@ class Number(Rule):
         number = in_si(text, self.unit) if self.unit else None
         if number is None:
             like = _LIKE.get(self.unit, "")
+            comma = "decimals have a point; " if re.search(r"\d,\d", text) else ""
             more = like and f", or with a unit in quotes, such as {like}"
-            raise self._refusal(path, text, f"{unknown_in(text)}{_PLAIN}{more}")
+            raise self._refusal(path, text, f"{comma}{unknown_in(text)}{_PLAIN}{more}")
         return number
 
 

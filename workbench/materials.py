@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_left
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -55,14 +56,34 @@ GRADES: Mapping[str, tuple[float, CowperSymonds]] = {
 }
 
 
-# Lower yield stress (Pa) up to these thicknesses (m): EN 10025-2:2019 table 6; EN 10210-1 the same
-# for S235 and S355. Not verified in print.
+# Lower yield stress (Pa) up to these thicknesses (m), and the grade whose rate law is taken: EN
+# 10025-2:2019 table 6 (EN 10210-1 the same for S235 and S355), S420 EN 10025-3, A36, A572 grade 50
+# and A992 by ASTM (36 and 50 ksi). Not verified in print.
 THICKNESSES = (0.016, 0.040, 0.063, 0.080, 0.100)
-_YIELD: Mapping[str, tuple[float, ...]] = {
-    "S235": (235e6, 225e6, 215e6, 215e6, 215e6),
-    "S355": (355e6, 345e6, 335e6, 325e6, 315e6),
-    "S460": (460e6, 440e6, 420e6, 400e6, 390e6),
+_YIELD: Mapping[str, tuple[tuple[float, ...], str]] = {
+    "S235": ((235e6, 225e6, 215e6, 215e6, 215e6), "S235"),
+    "S275": ((275e6, 265e6, 255e6, 245e6, 235e6), "S235"),
+    "S355": ((355e6, 345e6, 335e6, 325e6, 315e6), "S355"),
+    "S420": ((420e6, 400e6, 390e6, 370e6, 360e6), "S460"),
+    "S450": ((450e6, 430e6, 410e6, 390e6, 380e6), "S460"),
+    "S460": ((460e6, 440e6, 420e6, 400e6, 390e6), "S460"),
+    "A36": ((250e6,) * 5, "S235"),
+    "A572": ((345e6,) * 5, "S355"),
+    "A992": ((345e6,) * 5, "S355"),
 }
+_GRADE_NAME = re.compile(
+    r"(?:ASTM\s*)?([SA])\s?(\d{2,3})\s*(?:J[R02]|K2|NL?|ML?|H)*\s*(?:\bGr(?:ade)?\.?\s*50)?", re.I
+)
+
+
+@dataclass(frozen=True)
+class _Grade(Choice):
+    """A grade by its name as people write it: S355J2, A572 Gr. 50."""
+
+    def check(self, path: str, value: Any) -> Any:
+        """Return the grade of the table, or raise `InputError` naming `path`."""
+        name = _GRADE_NAME.fullmatch(value.strip()) if isinstance(value, str) else None
+        return super().check(path, f"{name[1]}{name[2]}".upper() if name else value)
 
 
 def _read_rate(value: Any, path: str) -> Any:
@@ -129,7 +150,7 @@ class Steel(Declared, table="steel"):
         _RateLaw(CowperSymonds, read=_read_rate, write=_write_rate), optional=True
     )
     grade: str | None = checked(
-        Choice(tuple(GRADES)), optional=True, help="gives yield stress and rate law"
+        _Grade(tuple(_YIELD)), optional=True, help="gives yield stress and rate law"
     )
     thickness: float | None = checked(
         Number(1e-4, THICKNESSES[-1], "m", advice="the thickest plate in m: 20 mm is 0.02"),
@@ -141,8 +162,9 @@ class Steel(Declared, table="steel"):
         """Put in what grade and named laws stand for."""
         stress, rate = 355e6, None
         if self.grade is not None:
-            stress, rate = GRADES[self.grade]
-            stress = _YIELD[self.grade][bisect_left(THICKNESSES, self.thickness or 0.0)]
+            stresses, like = _YIELD[self.grade]
+            stress = stresses[bisect_left(THICKNESSES, self.thickness or 0.0)]
+            rate = GRADES[like][1]
         elif self.thickness is not None:
             advice = 'give steel.grade = "S355"' if self.yield_stress is None else "leave it out"
             allowed = "lowers the yield stress of a grade: no grade is given"

@@ -24,6 +24,7 @@ _NAMES: dict[str, Size] = {
         *(("kJ", "1000", (1, 2, -2)), ("Nm", "1", (1, 2, -2)), ("kNm", "1000", (1, 2, -2))),
     )
 }
+_MEANT = {"kmh": "km/h", "kph": "km/h", "mps": "m/s", "kn": "kN", "to": "t", "tons": "t"}
 
 _EVERYDAY = {  # unit: sizes from which on a factor and a name are used, falling
     "m": ((1.0, 1.0, "m"), (0.0, 1e3, "mm")),
@@ -75,7 +76,9 @@ def unknown_in(text: str) -> str:
     factors = re.split(r"[\s*·/]+", match[2]) if match else ()
     read = (_FACTOR.fullmatch(factor) for factor in factors)
     name = next((each[1] for each in read if each and each[1] not in _NAMES), "")
-    return name and f"unit {name} is not known; known are products of {', '.join(_NAMES)}; "
+    guess = f"did you mean {_MEANT[name.lower()]}? " if name.lower() in _MEANT else ""
+    known = f"known are products of {', '.join(_NAMES)}; {guess}"
+    return name and f"unit {name} is not known; {known}"
 
 
 def _size(unit: str) -> Size | None:

@@ -50,6 +50,16 @@ def test_a_template_for_something_else_is_refused(capsys: pytest.CaptureFixture[
     assert json.loads(capsys.readouterr().out)["template"].endswith("slip_at_max_mm\n")
 
 
+def test_uncertain_inputs_start_from_a_template(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["new", "uncertain"]) == 0
+    file = tmp_path / "uncertain.toml"
+    file.write_text(capsys.readouterr().out)
+    assert run(["sample", str(file), "--samples", "20", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["outcomes"] == {"ok": 20}
+
+
 def test_a_vehicle_is_printed_as_a_striker(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["new", "striker", "urban", "--distance", "3"]) == 0
     text = capsys.readouterr().out

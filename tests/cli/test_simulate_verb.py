@@ -6,6 +6,7 @@ import json
 import re
 import time
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 import numba
@@ -167,11 +168,23 @@ def test_bad_input_is_one_line(
     assert (captured.out, captured.err.count("\n")) == ("", 1)
 
 
-def test_long_work_says_so_once(capsys: pytest.CaptureFixture[str]) -> None:
-    with at_work("a model", seconds=0.01):
-        time.sleep(0.1)
+def test_long_work_says_so_ever_more_rarely(capsys: pytest.CaptureFixture[str]) -> None:
+    with at_work("a model", seconds=0.2) as say:
+        say("3 m/s: survives")
+        time.sleep(0.6)
     with at_work("another", seconds=5.0):
         pass
     captured = capsys.readouterr()
-    assert captured.err.startswith("workbench: a model for 0.01 s; ")
-    assert (captured.out, captured.err.count("\n")) == ("", 1)
+    assert captured.err == "workbench: a model for 0.2 s, 3 m/s: survives\n"  # nothing compiles
+    assert captured.out == ""
+
+
+def test_compiling_is_said_while_it_lasts(capsys: pytest.CaptureFixture[str]) -> None:
+    def compiled() -> None:
+        """Stands for the compiler: by its module the frame is known."""
+        with at_work("a model", seconds=0.2):
+            time.sleep(0.5)
+
+    compiler = FunctionType(compiled.__code__, {**globals(), "__name__": "numba.core.compiler"})
+    compiler()
+    assert "; the first run of a model compiles it" in capsys.readouterr().err

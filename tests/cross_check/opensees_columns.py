@@ -14,7 +14,7 @@ from workbench.scenarios import Column, ColumnImpact
 
 ops = pytest.importorskip(
     "openseespy.opensees",
-    reason="OpenSeesPy is not installed: pip install 'workbench[cross-check]'",
+    reason="OpenSeesPy is not installed: pip install 'steel-impact-workbench[cross-check]'",
     exc_type=ImportError,
 )
 STRIKE, AXIS, TURN = 1, 2, 3

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.stats import qmc
+from toy_models import Spring
 
 from workbench.errors import InputError
 from workbench.models.base import Model
@@ -170,3 +171,10 @@ def test_rows_share_the_parts_in_which_nothing_varies() -> None:
     assert [each.column.axial_load for each in loads] == [0.0, 1e5]
     assert loads[0].striker is loads[1].striker
     assert BASE["column"]["axial_load"] == 2e5
+
+
+def test_a_model_that_crashes_costs_its_rows_alone() -> None:
+    slow = [Varied(BASE, {("striker", "velocity"): np.array([10.0, 20.0])})[i] for i in (0, 1)]
+    answers = simulate_many(Spring(trouble="raise"), slow)
+    assert answers[OUTCOME].tolist() == ["ok", "crashed"]
+    assert "toy-spring raised ZeroDivisionError" in answers[FAILURE][1]

@@ -95,7 +95,7 @@ def test_a_file_in_place_of_the_folder_of_shapes(column, tmp_path: Path) -> None
 
 def test_tables_name_the_extra_that_they_need(monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(InputError, match=r"pip install 'workbench\[tables\]'"):
+    with pytest.raises(InputError, match=r"pip install 'steel-impact-workbench\[tables\]'"):
         table_bytes(TABLE, "parquet")
 
 

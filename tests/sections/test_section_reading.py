@@ -40,6 +40,9 @@ def test_names_are_read_tolerantly(name: str) -> None:
         ("HD 400x421", ("hd400x421", "HD 400 × 421")),
         ("HD 260x93", ("HD 260x93.0", "HD 260 x 93,0")),
         ("IPN 200", ("ipn200", "IPN_200")),
+        ("W 12x26", ("W12x26", "w 12 x 26", "W310x38.7", "W310x39", "W 310 x 39")),  # 38.69 kg/m
+        ("W 36x135", ("W36x135", "W920x201")),
+        ("W 14x90", ("W14X90", "W360x134", "W360x133.9")),
     ],
 )
 def test_names_of_several_sizes_are_read_tolerantly(known: str, written: tuple[str, ...]) -> None:
@@ -167,3 +170,34 @@ def test_long_names_take_no_longer_than_their_length() -> None:
         with pytest.raises(InputError, match="must be a profile of the catalogue"):
             find(name)
     assert time.process_time() - began < 2.0
+
+
+@pytest.mark.parametrize(
+    ("name", "section"),
+    [
+        # inches; design wall 0.93 of the nominal one: 0.465 in. for 1/2 (AISC Manual, table 1-12)
+        ("HSS8X8X1/2", square_tube(8 * 0.0254, 0.465 * 0.0254)),
+        ("HSS 10x6x3/8", rectangular_tube(10 * 0.0254, 6 * 0.0254, 0.93 * 0.375 * 0.0254)),
+        ("HSS 3-1/2x3-1/2x1/4", square_tube(3.5 * 0.0254, 0.93 * 0.25 * 0.0254)),
+        ("hss10.750x0.500", circular_tube(10.75 * 0.0254, 0.465 * 0.0254)),
+        ("CHS 273 x 10 mm", circular_tube(0.273, 0.010)),
+        ("SHS 100x5 mm", square_tube(0.1, 0.005)),
+    ],
+)
+def test_tubes_in_inches_and_with_a_unit(name: str, section: Section) -> None:
+    assert find(name).area == pytest.approx(section.area, rel=1e-9)
+    assert type(find(name).shape) is type(section.shape)
+
+
+@pytest.mark.parametrize(
+    "name", ["UPN 200", "upe200", "C 12x20.7", "L 100x100x10", "PFC 200x75x23"]
+)
+def test_sections_of_one_axis_are_named_as_such(name: str) -> None:
+    with pytest.raises(InputError, match=r"not doubly symmetric.*take an I section or a tube"):
+        find(name)
+
+
+@pytest.mark.parametrize("name", ["HSS 8x6x3/0", "HSS 8/x6x1", "W310x45000", "W 315x39"])
+def test_wrong_american_names_are_refused(name: str) -> None:
+    with pytest.raises(InputError, match="section = "):
+        find(name)

@@ -87,6 +87,8 @@ def _libraries() -> Iterator[Check]:
     import re
     from importlib import metadata
 
+    from workbench.responses.provenance import DISTRIBUTION
+
     lock = Path(__file__).resolve().parents[2] / "requirements.lock"
     if not lock.is_file():
         detail = "no lock file beside this installation: versions are not pinned"
@@ -99,7 +101,7 @@ def _libraries() -> Iterator[Check]:
             installed[name] = metadata.version(name)
     needed = {
         re.split(r"[^A-Za-z0-9._-]", text)[0].lower()
-        for text in metadata.requires("workbench") or ()
+        for text in metadata.requires(DISTRIBUTION) or ()
         if "extra ==" not in text
     }
     absent = [name for name in wanted if name not in installed and name.lower() in needed]
@@ -161,12 +163,13 @@ def _data() -> Iterator[Check]:
 
 def _models() -> Iterator[Check]:
     from workbench.registry import offers
+    from workbench.responses.provenance import DISTRIBUTION
 
     broken = [offer for offer in offers() if offer.kind is None]
     usable = len(offers()) - len(broken)
     yield Check("models", "ok" if usable else "fail", f"{usable} can be used")
     for offer in broken:
-        state = "fail" if offer.distribution == "workbench" else "warn"
+        state = "fail" if offer.distribution == DISTRIBUTION else "warn"
         remedy = f"install {offer.distribution} again, or remove it"
         yield Check(f"model {offer.name}", state, offer.problem, remedy)
 

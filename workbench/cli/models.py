@@ -48,13 +48,14 @@ def advise(scenario: ScenarioFile, settings: Settings = None) -> Answer:
 
     The anchor of the error model answers; of the others stands what their domains say.
     """
+    from workbench.scenarios import load_scenario
+
+    given = load_scenario(scenario, settings or [])
     from workbench.evidence.advice import advise, choose
     from workbench.evidence.catalogue import DATA
     from workbench.evidence.error_model import PEAK, anchor_peak
     from workbench.registry import offers
-    from workbench.scenarios import load_scenario
 
-    given = load_scenario(scenario, settings or [])
     kinds = [offer.kind for offer in offers() if offer.kind is not None]
     fitting = [kind for kind in kinds if given.KIND in kind.answers and kind.name not in DATA]
     with at_work("the advice at work"):

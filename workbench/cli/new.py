@@ -14,6 +14,7 @@ app = typer.Typer(
 TEMPLATES = Path(__file__).with_name("templates")
 _STARTS = {
     "column.toml": "A column that is hit: for `workbench simulate`.",
+    "uncertain.toml": "A column with uncertain inputs: for `fragility`, `sample` and `rare`.",
     "frame.toml": "A frame that is hit at a column: for `workbench simulate`.",
     "pulse.toml": "A member under a blast: for `workbench simulate`.",
     "study.py": "A study of a column at three velocities: for `workbench run`.",

@@ -9,12 +9,13 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, overload
 
 import typer
 
 from workbench.content.tree import Block, Callout, Paragraph
-from workbench.datafiles import check_library
+from workbench.datafiles import check_library, open_input
 from workbench.errors import InputError
 
 if TYPE_CHECKING:
@@ -34,7 +35,17 @@ def option(text: str, default: Any = ..., metavar: str | None = None, flag: str 
 ENDINGS = ("csv", "nc", "parquet", "xlsx")  # of answers as a table
 PICTURES = ("png", "svg", "pdf")
 Names = list[str] | None  # of an option that may be given more than once
-ScenarioFile = Annotated[str, typer.Argument(metavar="SCENARIO.toml", help="Scenario file.")]
+
+
+def _readable(name: str) -> str:
+    """Name of a scenario file that can be opened: seen before anything heavy is imported."""
+    open_input(Path(name), "scenario file").close()
+    return name
+
+
+ScenarioFile = Annotated[
+    str, typer.Argument(metavar="SCENARIO.toml", help="Scenario file.", callback=_readable)
+]
 Settings = Annotated[Names, option("Override a value of the scenario.", ..., "KEY=VALUE", "--set")]
 Options = Annotated[Names, option("Set an option of the model.", ..., "KEY=VALUE", "--option")]
 Jobs = Annotated[int | None, option("Processes.  [default: one for each core]", flag="--jobs")]
@@ -65,20 +76,38 @@ class Answer(NamedTuple):
 
 
 @contextmanager
-def at_work(words: str, seconds: float = 2.0) -> Iterator[None]:
-    """Say on the error stream what is at work, once, if it takes longer than some seconds."""
+def at_work(words: str, seconds: float = 2.0) -> Iterator[Callable[[str], None]]:
+    """Say on the error stream what is at work after some seconds, and again ever more rarely.
+
+    Yields a function that takes how far it has come.
+    """
+    ended, progress = threading.Event(), [""]
 
     def say() -> None:
-        text = f"workbench: {words} for {seconds:g} s; the first run of a model compiles it"
-        print(text, file=sys.stderr, flush=True)
+        elapsed, pause = 0.0, seconds
+        while not ended.wait(pause):
+            elapsed += pause
+            pause = min(4.0 * pause, 60.0)
+            text = f"workbench: {words} for {elapsed:g} s{progress[-1]}"
+            compiles = "; the first run of a model compiles it" if _is_compiling() else ""
+            print(f"{text}{compiles}", file=sys.stderr, flush=True)
 
-    timer = threading.Timer(seconds, say)
-    timer.daemon = True
-    timer.start()
+    threading.Thread(target=say, daemon=True).start()
     try:
-        yield
+        yield lambda text: progress.append(f", {text}")
     finally:
-        timer.cancel()
+        ended.set()
+
+
+def _is_compiling() -> bool:
+    """Whether some thread of this process is in the compiler of numba."""
+    for frame in sys._current_frames().values():
+        caller: FrameType | None = frame
+        while caller is not None:
+            if caller.f_globals.get("__name__") == "numba.core.compiler":
+                return True
+            caller = caller.f_back
+    return False
 
 
 def verb(function: Callable[..., Answer]) -> Callable[..., int]:

@@ -65,11 +65,6 @@ def simulate(
     is inside its domain; several models stand in one table. Exit status 0 if the model answered
     (collapse is an answer), 1 if one did not (it says why), 2 for bad input.
     """
-    from workbench.assessment.variations import RATED, STATIC, Budget
-    from workbench.desk.answers import Comparison, asked, simulate
-    from workbench.desk.summary import as_object
-    from workbench.evidence.advice import no_reference, quick_reference
-    from workbench.responses import outcome_of
     from workbench.scenarios import load_scenario
 
     if model and len(model) > 1 and (out or budget):
@@ -78,9 +73,15 @@ def simulate(
     picture = writable("--plot", plot, *PICTURES, inputs=[scenario])
     if spread and not budget:
         raise InputError("--spread", spread[0], "is for --budget")
+    given = load_scenario(scenario, settings or [])
+    from workbench.assessment.variations import RATED, STATIC, Budget
+    from workbench.desk.answers import Comparison, asked, simulate
+    from workbench.desk.summary import as_object
+    from workbench.evidence.advice import no_reference, quick_reference
+    from workbench.responses import outcome_of
+
     spreads = pairs_of("--spread", spread, "velocity=0.1")
     errors = Budget("", (), spreads) if budget else None
-    given = load_scenario(scenario, settings or [])
     if errors is not None:
         errors.variations(given)
     values = pairs_of("--option", options)

@@ -69,7 +69,6 @@ def sweep(
     Exit status 0 if all survive or collapse, 1 if one has no answer (the table says why), 2 for
     bad input.
     """
-    from workbench.desk.sweeps import sweep as swept
     from workbench.scenarios import load_scenario
     from workbench.tables import Reading
 
@@ -84,6 +83,8 @@ def sweep(
     if len(values) < len(pairs):
         raise InputError("--over", [key for key, _ in pairs], "must name each key once")
     given = load_scenario(scenario, settings or [])
+    from workbench.desk.sweeps import sweep as swept
+
     with at_work("the sweep at work"):
         how = Reading(sheet, sep, decimal)
         rows_of_cases, notes = (None, ()) if cases is None else _cases(cases, how)
@@ -186,13 +187,9 @@ def limit(
     scenario of the file. Exit status 0 if every model says where, or that it is not in the range,
     1 if one leaves that open, 2 for bad input.
     """
-    from workbench.desk.sweeps import unit_at
-    from workbench.evidence.advice import choose
     from workbench.fields import Number
-    from workbench.registry import make_model
     from workbench.scenarios import load_scenario
     from workbench.scenarios.files import parse_value
-    from workbench.study.limit import find_limit
 
     if "=" in over or over == "time.duration":
         text = "must be a key with a number that bears on the structure"
@@ -208,14 +205,24 @@ def limit(
     texts = [VELOCITIES[i] if end is None else parse_value(end) for i, end in enumerate(given)]
     values = [float(each) if type(each) is int else each for each in texts]
     checked = [scenario_at(value) for value in values]  # both, before the work
+    from workbench.desk.sweeps import unit_at
+    from workbench.evidence.advice import choose
+    from workbench.registry import make_model
+    from workbench.study.limit import find_limit
+
     unit = unit_at(checked[0], over)
     ends = tuple(_in_si(over, value, unit) for value in values)
     if ends[0] == ends[1]:
         raise InputError("--to", ends[1], "must be another value than --from")
-    with at_work("the search of the limit at work"):
+    with at_work("the search of the limit at work") as say:
         names = model or [choose(load_scenario(scenario, settings or [])).model]
         models = [make_model(each, pairs_of("--option", options)) for each in names]
-        limits = [find_limit(each, scenario_at, (ends[0], ends[1]), tolerance) for each in models]
+
+        def follow(trial: Trial) -> None:
+            say(f"{_text(trial.value, unit)}: {_ENDINGS[trial.survives].text}")
+
+        bounds = (ends[0], ends[1])
+        limits = [find_limit(each, scenario_at, bounds, tolerance, follow) for each in models]
     content = {
         "scenario": checked[0].name,
         "over": over,

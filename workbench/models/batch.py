@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.arrays import Array, Indices
-from workbench.errors import CollapseError, InputError
+from workbench.errors import CollapseError, InputError, message_of
 from workbench.frames.elastic import linear_algebra
 from workbench.models.base import Model, on_one_mesh
 from workbench.models.strain_rate import with_strain_rate
@@ -137,6 +137,9 @@ def _single(
         return Outcome.INVALID_INPUT, str(error), {}
     except CollapseError as error:
         return Outcome.COLLAPSE, failure_message(Outcome.COLLAPSE, str(error)), {}
+    except Exception as error:  # a defect of a model costs its row, not the table
+        text = f"{model.name} raised {message_of(error)}"
+        return Outcome.CRASHED, failure_message(Outcome.CRASHED, text), {}
     outcome = outcome_of(response)
     if outcome is Outcome.OK:
         return outcome, "", scalars_of(response)

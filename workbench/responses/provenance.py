@@ -8,6 +8,7 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 
+DISTRIBUTION = "steel-impact-workbench"  # its name where packages are installed from
 _LIBRARIES = ("numpy", "scipy", "xarray", "numba")
 _ROOT = Path(__file__).resolve().parents[2]
 
@@ -15,7 +16,7 @@ _ROOT = Path(__file__).resolve().parents[2]
 @cache
 def provenance() -> dict[str, str]:
     """Versions, hash of the lock file, git commit, processor; never a host name or a path."""
-    record = {"workbench": metadata.version("workbench"), "python": platform.python_version()}
+    record = {"workbench": metadata.version(DISTRIBUTION), "python": platform.python_version()}
     for library in _LIBRARIES:
         record[library] = metadata.version(library)
     record["machine"] = f"{platform.system()} {platform.machine()}, {_processor()}"

@@ -79,6 +79,9 @@ def read(kind: type[Declared], tables: Mapping[str, Any], made: Made | None = No
         for key in tables[name] if known[name] else ():
             if key not in known[name] and known.get(key):
                 raise InputError(f"{name}.{key}", None, f"unknown key; [{key}] is a table itself")
+            home = next((table for table, keys in known.items() if key in keys), "")
+            if key not in known[name] and home:
+                raise InputError(f"{name}.{key}", None, f"unknown key; {key} stands in [{home}]")
             check_keys([key], known[name], name)
     return _build(kind, tables, made=made or {})
 

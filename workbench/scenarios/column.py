@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Self
 from workbench.fields import Choice, Declared, Flag, Instance, Many, Number, Text, checked
 from workbench.materials import MadeOfSteel, Steel
 from workbench.scenarios.parts import (
+    CLAMPED_HINT,
     FORCE,
     GRAVITY,
     LENGTH,
@@ -54,7 +55,7 @@ class Column(MadeOfSteel, table="column"):
     length_above: float = checked(LENGTH, help="from the hit point to the head")
     steel: Steel = checked(Instance(Steel), Steel())
     fillets: bool = checked(Flag(), True, help="whether root fillets count in the strength")
-    base: str = checked(Choice(("clamped", "pinned")), "clamped")
+    base: str = checked(Choice(("clamped", "pinned"), CLAMPED_HINT), "clamped")
     head: str = checked(
         Choice(("guided", "pinned", "fixed")),
         "guided",

@@ -36,6 +36,7 @@ HELD: dict[str, tuple[str, ...]] = {
     "guide-x": ("v", "rotation"),
     "guide-y": ("u", "rotation"),
 }
+CLAMPED_HINT = "a support that is fixed, its rotation held too, is clamped"
 COMPONENT = {"x": "u", "y": "v", "rotation": "rotation"}
 
 
@@ -109,7 +110,9 @@ class Node(Declared, table="node", label="name"):
     name: str = checked(NAME)
     x: float = checked(COORDINATE)
     y: float = checked(COORDINATE)
-    support: str = checked(Choice(tuple(HELD)), "free", help="roller-x and guide-x: free along x")
+    support: str = checked(
+        Choice(tuple(HELD), CLAMPED_HINT), "free", help="roller-x and guide-x: free along x"
+    )
     mass: float = checked(Number(0.0, 1e7, "kg"), 0.0, help="beside that of the members")
     rotary_inertia: float = checked(Number(0.0, 1e9, "kg m2"), 0.0)
     spring_x: float = checked(SPRING, 0.0, help="to the ground, unstressed under dead loads")

@@ -4,6 +4,7 @@ import difflib
 import inspect
 import re
 from collections.abc import Callable, Mapping
+from fractions import Fraction
 from functools import cache
 from itertools import chain
 from types import MappingProxyType
@@ -24,7 +25,18 @@ from workbench.sections.shapes import (
 from workbench.tables import records
 
 _LONGEST = 40  # characters of a name
-_HOLLOW = re.compile(r"(RHS|SHS|CHS)[\s_-]*((?:[\d.]{1,8}\s*[x×*]\s*){1,2}[\d.]{1,8})", re.I)
+_HOLLOW = re.compile(
+    r"(RHS|SHS|CHS|HSS)[\s_-]*((?:[\d./ -]{1,8}\s*[x×*]\s*){1,2}[\d./]{1,8})(?:\s*mm)?", re.I
+)
+_INCH = 0.0254  # m
+_HSS_WALL = 0.93  # design wall over the nominal one of ASTM A500 (AISC 360, B4.2)
+# nominal depth (mm) in the metric name of a W profile, by that in inches (ASTM A6/A6M)
+_METRIC = {
+    **{4: 100, 5: 130, 6: 150, 8: 200, 10: 250, 12: 310, 14: 360, 16: 410, 18: 460, 21: 530},
+    **{24: 610, 27: 690, 30: 760, 33: 840, 36: 920, 40: 1000, 44: 1100},
+}
+_POUND_PER_FOOT = 1.4881639  # kg/m
+_ONE_SIDED = re.compile(r"(UPN|UPE|UNP|PFC|MC|C|L|WT|MT)[\s_-]*\d.*", re.I)
 # Words and sizes in either order: HE 220 B, UB 203x133x25, 203x133x25 UB.
 _NAME = re.compile(r"([A-Za-z]*)[\s_-]*(\d[\d.,]*(?:\s*[xX×]\s*\d[\d.,]*)*)[\s_-]*([A-Za-z]*)")
 _TABLES = ("european_profiles.csv", "rolled_profiles.csv")
@@ -99,7 +111,8 @@ def find(name: str, path: str = "section") -> Section:
     """Look up a profile of the catalogue; spaces, case and the sign between sizes do not matter.
 
     ``RHS 200x100x8``, ``SHS 100x5`` and ``CHS 219.1x10`` are tubes of these sizes in mm, those of
-    four sides with sharp corners, and are called as other sections from dimensions are.
+    four sides with sharp corners, and are called as other sections from dimensions are;
+    ``HSS 8x6x3/8`` is one in inches with 0.93 of the nominal wall; ``W 310x38.7`` is W 12x26.
     Raises `InputError` naming `path`, with the nearest known names.
     """
     hollow = _HOLLOW.fullmatch(name.strip()) if isinstance(name, str) else None
@@ -107,23 +120,52 @@ def find(name: str, path: str = "section") -> Section:
         return _tube(hollow[1].upper(), hollow[2], name, path)
     known = profiles()
     spelled = _spelled(name) if isinstance(name, str) else ""
+    spelled = spelled if spelled in known else _in_inches(spelled)
     if spelled in known:
         return Section(spelled, known[spelled])
+    if isinstance(name, str) and _ONE_SIDED.fullmatch(name.strip()):
+        text = "is not doubly symmetric: models bend sections with two axes of symmetry alone"
+        raise InputError(path, name, text, "take an I section or a tube")
     near = _nearest(name) if isinstance(name, str) else []
     guess = "did you mean " + " or ".join(near) + "?" if near else "or give its dimensions in m"
     raise InputError(path, name, f"must be a profile of the catalogue ({_families()})", guess)
 
 
+def _in_inches(spelled: str) -> str:
+    """Name of the W profile of the catalogue whose metric name is `spelled`, else `spelled`."""
+    sizes = re.fullmatch(r"W (\d+)x([\d.]+)", spelled)
+    depth = next((inch for inch, mm in _METRIC.items() if sizes and int(sizes[1]) == mm), None)
+    if sizes is None or depth is None:
+        return spelled
+    masses = {  # distance of the mass (kg/m) from the one that is named
+        name: abs(float(name.split("x")[1]) * _POUND_PER_FOOT - float(sizes[2]))
+        for name in profiles()
+        if name.startswith(f"W {depth}x")
+    }
+    nearest = min(masses, key=masses.__getitem__)
+    return nearest if masses[nearest] <= max(0.6, 0.006 * float(sizes[2])) else spelled
+
+
+def _size(text: str, family: str) -> float:
+    """A size of a tube in m, from mm or, of HSS, from inches such as 3-1/2. Raises ValueError."""
+    if family != "HSS":
+        return float(f"{text.strip()}e-3")
+    return float(sum(map(Fraction, re.split(r"[\s-]+", text.strip())))) * _INCH
+
+
 def _tube(family: str, sizes: str, name: str, path: str) -> Section:
-    """A hollow section by its family and sizes in mm."""
+    """A hollow section by its family and sizes in mm, of HSS in inches."""
     try:
-        size = [float(f"{text.strip()}e-3") for text in re.split("[xX×*]", sizes)]
+        size = [_size(text, family) for text in re.split("[xX×*]", sizes)]
+        if family == "HSS":
+            family = "RHS" if len(size) == 3 else "CHS"
+            size[-1] *= _HSS_WALL
         if family == "SHS" and len(size) == 3 and size[0] == size[1]:
             size = size[1:]
         if len(size) != (3 if family == "RHS" else 2):
             raise ValueError
-    except ValueError:
-        allowed = "must look like RHS 200x100x8, SHS 100x5 or CHS 219.1x10, in mm"
+    except (ValueError, ZeroDivisionError):
+        allowed = "must look like RHS 200x100x8, SHS 100x5 or CHS 219.1x10, in mm, or HSS 8x6x3/8"
         raise InputError(path, name, allowed) from None
     try:
         if family == "CHS":

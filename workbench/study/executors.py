@@ -303,6 +303,6 @@ def _library() -> Any:
         import distributed
     except ImportError as error:
         text = "needs the library distributed, which is not installed"
-        advice = 'pip install "workbench[scale]"'
+        advice = 'pip install "steel-impact-workbench[scale]"'
         raise InputError("--scheduler", "dask", text, advice) from error
     return distributed

@@ -79,12 +79,13 @@ def find_limit(
     scenario_at: Callable[[float], Scenario],
     ends: tuple[float, float],
     tolerance: float,
+    follow: Callable[[Trial], None] = lambda trial: None,
 ) -> Limit:
     """Bracket the value at which a structure collapses that survives below (or above) it.
 
     Arguments: the `model`, asked without the coarser meshes of a reference; `scenario_at` a value;
     `ends` of the range, the one that survives first; `tolerance`, width of the bracket over its
-    larger value.
+    larger value; `follow` gets each trial when it is known.
     """
     alone = on_one_mesh(model)
     trials: dict[float, Trial] = {}
@@ -95,6 +96,7 @@ def find_limit(
         trials[value] = _trial(value, scenario, response)
         survived = trials[value].survives
         ended[survived] = scenario, response
+        follow(trials[value])
         return survived
 
     first, last = ends
