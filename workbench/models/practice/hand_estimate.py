@@ -56,7 +56,7 @@ class HandEstimate(Answering):
     axial: str = checked(AXIAL, SECTION, help=AXIAL_HELP)
 
     name: ClassVar[str] = "hand-estimate"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Inelastic collision with a third of the column's mass; restitution 1: the whole energy "
