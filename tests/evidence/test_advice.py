@@ -170,7 +170,7 @@ def test_where_a_model_and_the_anchor_differ_about_collapse_the_anchor_is_said(f
     """A drawn column of which another model says the contrary of the anchor."""
     rows = load("columns")
     cases = {case.name: case.scenario for case in load_study("which_model").study.cases}
-    name = "hand-estimate" if falls else "biggs"
+    name = "hand-estimate" if falls else "yin-wang"
     differs = (np.isinf(rows[ANCHOR]) == falls) & (np.isinf(rows[name]) != falls)
     known = rows[["reference_peak", ANCHOR, name]].notna().all(axis="columns")
     hit = cases[rows.loc[differs & known, "case"].iloc[0]]

@@ -57,7 +57,7 @@ class HandEstimate(Answering):
     axial: str = checked(AXIAL, SECTION, help=AXIAL_HELP)
 
     name: ClassVar[str] = "hand-estimate"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     unused: ClassVar[tuple[str, ...]] = (
         *("column.head_mass", "column.restraint_stiffness", "column.second_moment"),
