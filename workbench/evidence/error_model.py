@@ -163,8 +163,10 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     striker = getattr(scenario, "striker", None)
     if striker is not None and striker.crushes:
         return TruthRatio(np.empty(0), reason="errors were measured with rigid strikers")
-    if getattr(scenario, "acceleration", 0.0) or any(frame_scenario(scenario).frame.gravity):
-        return TruthRatio(np.empty(0), reason="errors were measured without gravity")
+    frame = frame_scenario(scenario).frame
+    if getattr(scenario, "acceleration", 0.0) or any(frame.gravity) or frame.line_loads.any():
+        reason = "errors were measured without gravity and line loads"
+        return TruthRatio(np.empty(0), reason=reason)
     table, steel = _table(scenario), steel_of(scenario)
     if steel is not None and steel.hardening_modulus is not None:
         return TruthRatio(np.empty(0), reason="errors were measured without hardening")

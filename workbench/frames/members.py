@@ -161,13 +161,16 @@ def shear_demand(scenario: FrameScenario) -> dict[str, float]:
     frame, demand = scenario.frame, {}
     pressed = scenario.members if isinstance(scenario, FramePulse) else ()
     heavy = {node.name for node in frame.nodes if node.mass > 0.0}
+    lines = np.hypot(*frame.line_loads.T).tolist()
+    number = {member.name: i for i, member in enumerate(frame.members)}
     for chain in chains(frame, eventful(scenario) | heavy):
         length = sum(frame.length(name) for name in chain.members)
         moment = sum(_end_moment(frame, end) for end in chain.ends)
         if set(chain.members) & set(pressed):
             moment = 2.0 * (moment + 2.0 * frame.properties(chain.members[0]).plastic_moment)
+        dead = 0.5 * sum(lines[number[name]] * frame.length(name) for name in chain.members)
         for name in chain.members:
-            demand[name] = moment / length / frame.properties(name).shear_resistance
+            demand[name] = (moment / length + dead) / frame.properties(name).shear_resistance
     return demand
 
 

@@ -248,8 +248,9 @@ class Record:
         """Numbers about the solution itself, for the attributes of a response."""
         lengths, structure = self.structure.members.elements.lengths, self.structure
         dead = float(self._sign * structure.start[self._dof])
+        sags = any(structure.frame.gravity) or structure.frame.line_loads.any()
         numbers = {
-            "dead_displacement": dead if any(structure.frame.gravity) else None,
+            "dead_displacement": dead if sags else None,
             "elements": len(lengths),
             "smallest_element": float(lengths.min()),
             "newton_iterations": int(self.total("evaluations")[-1]),

@@ -169,14 +169,26 @@ class FrameStructure:
         Half of what stands on an element acts at each of its ends, which does the work of the line
         load in any mechanism of the elements.
         """
-        forces, names = np.zeros(self.assembly.size), member_names(self.frame)
-        elements, sign = self.members.elements, -1.0 if direction.startswith("-") else 1.0
-        for name in members:
-            part = self.members.of_member(names.index(name))
+        sign, sizes = (
+            -1.0 if direction.startswith("-") else 1.0,
+            np.zeros((len(self.frame.members), 2)),
+        )
+        rows = [member_names(self.frame).index(name) for name in members]
+        sizes[rows, "xy".index(direction.lstrip("+-"))] = sign
+        return line_forces(self.assembly, self.members, sizes)
+
+
+def line_forces(assembly: PlanarAssembly, members: MemberReader, loads: Array) -> Array:
+    """Nodal forces (dofs,) of line `loads` on members, along x and y in N/m (members, 2)."""
+    forces, elements = np.zeros(assembly.size), members.elements
+    for number in np.flatnonzero(loads.any(axis=1)):
+        part = members.of_member(int(number))
+        for load, component in zip(loads[number], "uv", strict=True):
             for end in elements.nodes[part].T:
-                dofs = self.assembly.dofs(end, COMPONENT[direction.lstrip("+-")])
-                np.add.at(forces, dofs, 0.5 * sign * elements.lengths[part])
-        return forces
+                np.add.at(
+                    forces, assembly.dofs(end, component), 0.5 * load * elements.lengths[part]
+                )
+    return forces
 
 
 def hinge_names(frame: Frame) -> tuple[str, ...]:
@@ -228,15 +240,14 @@ def _counted(frame: Frame) -> list[Load]:
 
 @lru_cache(maxsize=64)
 def dead_loads(frame: Frame) -> tuple[Load, ...]:
-    """Dead loads of a frame and, under gravity, its own weight, of members half at either end."""
-    (x, y), masses = frame.gravity, np.array([node.mass for node in frame.nodes])
-    if not x and not y:
+    """Dead loads of a frame at its nodes, half of line loads and, under gravity, of own weight."""
+    if not any(frame.gravity) and not frame.line_loads.any():
         return frame.loads
-    halves = 0.5 * frame.each("mass_per_length") * frame.lengths
-    np.add.at(masses, frame.ends, halves[:, None])
-    pairs = zip(frame.nodes, masses.tolist(), strict=True)
-    own = (Load(node.name, x=x * mass, y=y * mass) for node, mass in pairs)
-    return (*frame.loads, *_counted(frame), *own)
+    lines = frame.line_loads + np.outer(frame.each("mass_per_length"), frame.gravity)
+    forces = np.outer([node.mass for node in frame.nodes], frame.gravity)
+    np.add.at(forces, frame.ends, (0.5 * frame.lengths[:, None] * lines)[:, None])
+    pairs = zip(frame.nodes, forces.tolist(), strict=True)
+    return (*frame.loads, *_counted(frame), *(Load(node.name, x=x, y=y) for node, (x, y) in pairs))
 
 
 def own_weight(frame: Frame, assembly: PlanarAssembly) -> Array:
@@ -276,6 +287,8 @@ def stand_frame(
     assembly.load = nodal_forces(frame, assembly, frame.loads)
     if any(frame.gravity):
         assembly.load += own_weight(frame, assembly)
+    if frame.line_loads.any():
+        assembly.load += line_forces(assembly, members, frame.line_loads)
     if np.any(assembly.load):
         apply_loads(assembly)
     for number, node in enumerate(frame.nodes):

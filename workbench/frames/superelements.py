@@ -27,7 +27,7 @@ _LONGEST = 5.0  # section heights, of an element of a struck member where none a
 _NEIGHBOURS = 4  # elements of members that meet struck ones; one gives light hits 20 % too much
 _SHARED = 0.05  # of the energy, lost in a first collision with two elements
 _MOST_PARTS = 16
-_STRAIGHT = 1e-6  # m/s2 across a member that do not bend it
+_STRAIGHT = 1e-6  # N/m across a member that do not bend it
 _SOFT = 3.0  # % of axial flexibility that hinges add
 
 
@@ -92,7 +92,7 @@ def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> tuple[
     modes, and bars are half as long. Joints at
     the far ends of struck members turn against the inertia of what meets them there, which one bar
     has at its ends alone: such members are `_NEIGHBOURS` bars. So do members beyond, by less: their
-    beam's own swinging needs a node between their ends. Members under a line load or their own
+    beam's own swinging needs a node between their ends. Members under line loads or their own
     weight, which act at the ends of elements, are at least `FEWEST_LOADED`.
     """
     frame, counts = scenario.frame, (1,) * len(scenario.frame.members)
@@ -101,8 +101,9 @@ def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> tuple[
     elif isinstance(scenario, FramePulse):
         counts = _parts(frame, tuple(load.node for load in scenario.loads), inf, multiple, far)
     several = multiple * ceil(FEWEST_LOADED / multiple)
-    (x, y), pressed = frame.gravity, getattr(scenario, "members", ())
-    bent = np.abs(frame.chords @ (-y, x)) > _STRAIGHT * frame.lengths  # by their own weight
+    pressed, (along_x, along_y) = getattr(scenario, "members", ()), frame.chords.T
+    x, y = (frame.line_loads + np.outer(frame.each("mass_per_length"), frame.gravity)).T
+    bent = np.abs(along_x * y - along_y * x) > _STRAIGHT * frame.lengths  # by their dead loads
     loaded = bent | np.array([member.name in pressed for member in frame.members])
     return tuple(np.maximum(counts, np.where(loaded, several, 1)).tolist())
 

@@ -221,7 +221,15 @@ class Frame(MadeOfSteel, table="frame"):
         weights: Counter[str] = Counter()
         for load in self.loads:
             weights[load.node] += -load.y  # type: ignore[assignment]
+        for member in self.members:
+            for end in member.ends:
+                weights[end.node] -= 0.5 * member.load_y * self.length(member)  # type: ignore[assignment]
         return {name: weight / GRAVITY for name, weight in weights.items() if weight > 0.0}
+
+    @of_geometry
+    def line_loads(self) -> Array:
+        """Dead line loads on the members, along x and y in N/m (members, 2)."""
+        return np.array([(member.load_x, member.load_y) for member in self.members])
 
     def length(self, member: Member | str) -> float:
         """Length of a member, in m."""
@@ -322,7 +330,7 @@ def _check_supported(frame: Frame) -> None:
     Springs and locks act only once the dead loads are on, which the supports carry before.
     """
     centre, size = frame.points.mean(axis=0), frame.extent
-    rows, loaded = [], frame.loads or any(frame.gravity)
+    rows, loaded = [], frame.loads or any(frame.gravity) or frame.line_loads.any()
     for node, (x, y) in zip(frame.nodes, (frame.points - centre) / size, strict=True):
         # what a motion of the whole does to each displacement of the node
         motion = {"u": (1.0, 0.0, -y), "v": (0.0, 1.0, x), "rotation": (0.0, 0.0, 1.0)}

@@ -14,6 +14,7 @@ from workbench.sections import SECTION, Section
 NAME = Text(60, label=True)
 COORDINATE = Number(-1e4, 1e4, "m", advice="coordinates are in metres, not millimetres")
 LENGTH = Number(0.02, 100.0, "m", advice="lengths are in metres, not millimetres")
+LINE_LOAD = Number(-1e8, 1e8, "N/m", advice="line loads are in N/m: 20 kN/m is 20e3")
 FORCE, MOMENT = Number(-1e9, 1e9, "N"), Number(-1e9, 1e9, "N m")
 SPRING, ROTATIONAL_SPRING = Number(0.0, 1e14, "N/m"), Number(0.0, 1e14, "N m/rad")
 GRAVITY = 9.80665  # m/s2, standard acceleration of free fall
@@ -200,6 +201,8 @@ class Member(Declared, table="member", label="name"):
     section: Section = checked(SECTION)
     joint_start: str = checked(NAME, RIGID.name, help="name of a joint, rigid or pinned")
     joint_end: str = checked(NAME, RIGID.name, help="name of a joint, rigid or pinned")
+    load_x: float = checked(LINE_LOAD, 0.0, help="dead line load along x")
+    load_y: float = checked(LINE_LOAD, 0.0, help="dead line load along y, down is negative")
     area: float | None = override("area")
     second_moment: float | None = override("second_moment")
     plastic_moment: float | None = override("plastic_moment")

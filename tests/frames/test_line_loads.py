@@ -1,0 +1,76 @@
+"""Dead line loads on the members of a frame, against beam theory."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from workbench.errors import InputError
+from workbench.frames.structure import dead_loads
+from workbench.registry import make_model
+from workbench.responses import Outcome, outcome_of
+from workbench.scenarios import Frame, FrameStatic, Load, Member, Node
+from workbench.sections import find
+
+SPAN, LOAD = 6.0, 10e3  # m, N/m down
+NODES = (
+    Node("left", 0.0, 0.0, "pinned"),
+    Node("middle", 0.5 * SPAN, 0.0),
+    Node("right", SPAN, 0.0, "roller-x"),
+)
+
+
+def beam(load: float) -> Frame:
+    halves = (("left", "middle"), ("middle", "right"))
+    section = find("IPE 300")
+    members = [Member(f"{a}-{b}", a, b, section, load_y=-load) for a, b in halves]
+    return Frame(NODES, tuple(members), fillets=False)
+
+
+def pushed(frame: Frame, down: float) -> FrameStatic:
+    load = (Load("middle", y=-1.0),)
+    return FrameStatic("beam", frame, load, "middle", "-y", (down,))
+
+
+@pytest.mark.parametrize(
+    ("name", "close"),
+    [
+        ("flexible-superelement", 0.05),  # its hinges of n = 10 soften an elastic beam
+        ("rigid-superelement", 0.05),
+        ("fiber-corotational", 0.01),
+        ("fiber-reissner", 0.02),  # shears
+        ("giberson", 0.02),
+    ],
+)
+def test_a_beam_sags_and_bears_less_by_its_line_load(name: str, close: float) -> None:
+    frame = beam(LOAD)
+    properties = frame.properties(frame.members[0])
+    response = make_model(name).simulate(pushed(frame, 0.15))
+    assert outcome_of(response) is Outcome.OK
+    bending = frame.steel.elastic_modulus * properties.second_moment
+    sag = 5.0 * LOAD * SPAN**4 / (384.0 * bending)
+    assert response.attrs["dead_displacement"] == pytest.approx(sag, rel=close)
+    # mechanism with a hinge at mid-span: P L / 4 + q L^2 / 8 = M_p
+    force = 4.0 / SPAN * (properties.plastic_moment - LOAD * SPAN**2 / 8.0)
+    assert float(response["force"].max()) == pytest.approx(force, rel=0.03)
+    bare = make_model(name).simulate(pushed(beam(0.0), 0.15))
+    assert "dead_displacement" not in bare.attrs
+    assert float(bare["force"].max()) == pytest.approx(
+        4.0 / SPAN * properties.plastic_moment, rel=0.03
+    )
+
+
+def test_line_loads_are_half_at_either_end_and_weigh() -> None:
+    frame = beam(LOAD)
+    ends = {load.node: load.y for load in dead_loads(frame)}
+    assert ends == pytest.approx({"left": -15e3, "middle": -30e3, "right": -15e3})
+    assert frame.load_masses["middle"] == pytest.approx(30e3 / 9.81, rel=1e-3)
+    sideways = replace(frame.members[0], load_y=0.0, load_x=5e3)
+    turned = Frame(NODES, (sideways, frame.members[1]))
+    assert {load.node: load.x for load in dead_loads(turned)}["middle"] == pytest.approx(7.5e3)
+
+
+def test_line_loads_in_kn_are_named() -> None:
+    with pytest.raises(InputError, match=r"member\.a\.load_y = -10000000000.0: .*line loads are in N/m"):
+        Member("a", "left", "right", find("IPE 300"), load_y=-1e10)
