@@ -76,7 +76,7 @@ class ForceBasedBeam(BarHinges):
     points: int = checked(Number(3, 20, integer=True), 5, help="along an element")
 
     name: ClassVar[str] = "force-based-beam"
-    version: ClassVar[int] = 6
+    version: ClassVar[int] = 7
     traits: ClassVar[Traits] = OF_FIBERS
     sources: ClassVar[tuple[str, ...]] = ("spacone1996", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -103,7 +103,7 @@ class FiberHinge(BarHinges):
     hinge_length: float = checked(Number(0.01, 10.0), 1.0, help="over the depth of the section")
 
     name: ClassVar[str] = "fiber-hinge"
-    version: ClassVar[int] = 6
+    version: ClassVar[int] = 7
     traits: ClassVar[Traits] = OF_FIBERS
     sources: ClassVar[tuple[str, ...]] = ("ngohuu2007", "scott2006", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -163,7 +163,7 @@ class BoundingSurface(BarHinges):
     residual_stress: str = checked(Choice(PATTERNS), "none", help="of these fibers")
 
     name: ClassVar[str] = "bounding-surface"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     traits: ClassVar[Traits] = OF_RESULTANTS
     sources: ClassVar[tuple[str, ...]] = ("eltawil1998", "eltawil2001", "mroz1967", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -205,7 +205,7 @@ class ModifiedTangentModulus(BarHinges):
     )
 
     name: ClassVar[str] = "modified-tangent-modulus"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     traits: ClassVar[Traits] = OF_RESULTANTS
     sources: ClassVar[tuple[str, ...]] = ("ziemian2002", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (

@@ -279,7 +279,7 @@ class RigidSuperelement(_HingedBars):
     inertia: str = checked(Choice(INERTIAS), "nonlinear")
 
     name: ClassVar[str] = "rigid-superelement"
-    version: ClassVar[int] = 19
+    version: ClassVar[int] = 20
     least_parts: ClassVar[int] = 2
     far_parts: ClassVar[int] = 1  # with two rigid bars two of 34 frames were 11 and 18 % low
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -325,7 +325,7 @@ class FlexibleSuperelement(_HingedBars):
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)
 
     name: ClassVar[str] = "flexible-superelement"
-    version: ClassVar[int] = 18
+    version: ClassVar[int] = 19
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic Bernoulli beams, straight against their chord: one element per member leaves out "
         "P-delta inside the member.",

@@ -28,7 +28,7 @@ class FiberShear(ExactBeams):
 
     name: ClassVar[str] = "fiber-shear"
     material: ClassVar[tuple[str, ...]] = ("rate", "hardening")
-    version: ClassVar[int] = 7
+    version: ClassVar[int] = 8
     shear_yields: ClassVar[bool] = True
     longer: ClassVar[float] = 2.0  # webs that yield take the waves out
     assumptions: ClassVar[tuple[str, ...]] = (
