@@ -74,8 +74,7 @@ def test_every_model_keeps_the_contract(name: str, thesis_impact) -> None:
         scenarios.append(frame_scenario(thesis_impact.at_velocity(10.0)))
     scenarios.append(ImpactProblem("two masses", "two-masses"))
     answered = [s for s in scenarios if s.KIND in model.answers]
-    # all inputs are walked in tests/models/test_inputs_of_models.py
-    check_model(model, answered, LEDGER.get(name, 1e-6), inputs=False)
+    check_model(model, answered, LEDGER.get(name, 1e-6))
 
 
 def introduced(page: Path) -> str:

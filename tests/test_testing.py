@@ -181,3 +181,8 @@ def test_a_foreign_scenario_in_the_list_is_said(thesis_impact: ColumnImpact) -> 
     other = dataclasses.replace(thesis_impact)
     problems = problems_of(broken(answers=("column-pushover",)), [other])
     assert any("kind that it does not answer" in problem for problem in problems)
+
+
+def test_inputs_that_change_nothing_are_named(thesis_impact: ColumnImpact) -> None:
+    problems = problems_of(broken(unused=("column.*", "steel.*")), [thesis_impact])
+    assert problems == ["striker.restitution changes nothing: use it, or name it in `unused`"]

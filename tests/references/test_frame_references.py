@@ -9,6 +9,7 @@ import pytest
 from builders import SQUARE, portal
 
 from workbench.datafiles import data_directory
+from workbench.models.domain import unused_inputs
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.references.fiber import FiberReference
 from workbench.references.fiber_corotational import FiberCorotational
@@ -368,10 +369,12 @@ def test_findings_name_joints_overrides_and_coarse_meshes() -> None:
     impact = FrameImpact("hit", frame, FrameStriker(1e3, 10.0, node="A1"))
     findings = model_of("fiber-reissner", 0.5, 0.5).domain(impact)
     values = [finding.subject for finding in findings]
-    assert values.count("joints") == 2
+    assert values.count("joints") == 1
     assert values.count("mesh") == 2
     assert values.count("section") == 1
     assert not any(finding.refusal for finding in findings)
+    (left_out,) = unused_inputs(model_of("fiber-reissner", 0.5, 0.5), impact)
+    assert left_out.text.startswith("joint.bolted.axial_stiffness = 1e+08 N/m is not used")
 
 
 def test_a_beam_without_joints_has_no_findings() -> None:

@@ -77,7 +77,7 @@ class ForceBasedBeam(BarHinges):
 
     concentrated: ClassVar[bool] = False
     name: ClassVar[str] = "force-based-beam"
-    version: ClassVar[int] = 6
+    version: ClassVar[int] = 7
     traits: ClassVar[Traits] = OF_FIBERS
     sources: ClassVar[tuple[str, ...]] = ("spacone1996", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -104,7 +104,7 @@ class FiberHinge(BarHinges):
     hinge_length: float = checked(Number(0.01, 10.0), 1.0, help="over the depth of the section")
 
     name: ClassVar[str] = "fiber-hinge"
-    version: ClassVar[int] = 6
+    version: ClassVar[int] = 7
     traits: ClassVar[Traits] = OF_FIBERS
     sources: ClassVar[tuple[str, ...]] = ("ngohuu2007", "scott2006", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -165,7 +165,7 @@ class BoundingSurface(BarHinges):
 
     concentrated: ClassVar[bool] = False
     name: ClassVar[str] = "bounding-surface"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     traits: ClassVar[Traits] = OF_RESULTANTS
     sources: ClassVar[tuple[str, ...]] = ("eltawil1998", "eltawil2001", "mroz1967", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -208,7 +208,7 @@ class ModifiedTangentModulus(BarHinges):
 
     concentrated: ClassVar[bool] = False
     name: ClassVar[str] = "modified-tangent-modulus"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     traits: ClassVar[Traits] = OF_RESULTANTS
     sources: ClassVar[tuple[str, ...]] = ("ziemian2002", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (

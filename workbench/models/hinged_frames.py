@@ -147,7 +147,7 @@ class Giberson(BarHinges):
     )
 
     name: ClassVar[str] = "giberson"
-    version: ClassVar[int] = 4
+    version: ClassVar[int] = 5
     unused: ClassVar[tuple[str, ...]] = ("joint.*_resistance",)
     sources: ClassVar[tuple[str, ...]] = ("giberson1967", "heng2017")
     traits: ClassVar[Traits] = Traits(
@@ -192,7 +192,7 @@ class PlasticHinge(BarHinges):
     )
 
     name: ClassVar[str] = "plastic-hinge"
-    version: ClassVar[int] = 4
+    version: ClassVar[int] = 5
     papers: ClassVar[tuple[str, ...]] = ("orbison1982", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic up to the full plastic section, perfectly plastic hinges of zero length at the "
@@ -253,7 +253,7 @@ class QuasiPlasticHinge(PlasticHinge):
 
     concentrated: ClassVar[bool] = False
     name: ClassVar[str] = "quasi-plastic-hinge"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
     papers: ClassVar[tuple[str, ...]] = ("attalla1994", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Hinges yield first where the outermost fiber does and harden to the full section as the "
@@ -295,7 +295,7 @@ class RefinedPlasticHinge(BarHinges):
 
     concentrated: ClassVar[bool] = False
     name: ClassVar[str] = "refined-plastic-hinge"
-    version: ClassVar[int] = 6
+    version: ClassVar[int] = 7
     traits: ClassVar[Traits] = Traits(
         interaction="aisc",  # H1-1, for members and joints
         euler_share=0.0,  # stability functions hold beyond the load of a bar

@@ -321,7 +321,7 @@ class FlexibleSuperelement(_HingedBars):
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)
 
     name: ClassVar[str] = "flexible-superelement"
-    version: ClassVar[int] = 20
+    version: ClassVar[int] = 19
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic Bernoulli beams without rotary inertia, straight against their chord: one element "
         "per member leaves out P-delta inside the member.",

@@ -59,7 +59,7 @@ class FiberCorotational(FiberReference):
     shear_flexible: bool = checked(Flag(), True, help="elastic shear strain; false: Bernoulli's")
 
     name: ClassVar[str] = "fiber-corotational"
-    version: ClassVar[int] = 6
+    version: ClassVar[int] = 7
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections; cubic deflection between nodes; large displacements and rotations.",
         "Elastic-perfectly plastic fibers, plasticity from normal stress alone.",

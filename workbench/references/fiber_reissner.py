@@ -119,7 +119,7 @@ class FiberReissner(ExactBeams):
     )
 
     name: ClassVar[str] = "fiber-reissner"
-    version: ClassVar[int] = 8
+    version: ClassVar[int] = 9
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections that may stretch, shear and turn by any amount.",
         "Plasticity of the fibers from normal stress alone; shear strain stays elastic.",

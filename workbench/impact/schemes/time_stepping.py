@@ -28,8 +28,7 @@ inverse, and (3.30) adds v1 alone to q_m (with v1 + v0 a body at rest in velocit
 
     v+ = v- + h M^-1 (W P / h - f0),   q1 = q0 + h v+,
 
-v- and v+ at the middles of the last and of this step, P from Newton's law between them. Velocities
-at full steps are v+ + h a1 / 2, which makes it the velocity form of Verlet between impacts.
+v- and v+ at the middles of steps, P from Newton's law between them; v+ + h a1 / 2 at full steps.
 
 **Both constraints at once (Gear, Gupta and Leimkuhler 1985; Acary 2013; Heng 2017, 3.34-3.35).**
 A second impulse Psi (kg m) moves bodies apart that velocities alone would let overlap:
@@ -39,9 +38,8 @@ A second impulse Psi (kg m) moves bodies apart that velocities alone would let o
 in the midpoint step, whose forces see the moved place; the split form moves after it. The mass
 weighting M^-1 W Psi keeps the centre of mass; (3.34) prints W Psi. Moving does work against the
 forces: energy is not kept. Acary constrains whatever contact would end overlapped; Studer's first
-form, `late` false, those alone that the forecast finds overlapped (reconstruction, not verified in
-print: Heng 2017 says only that it oscillates). A gap just closed is none of them: a body at rest
-falls for a step, and is caught in the next.
+form, `late` false, those alone that the forecast finds overlapped (reconstruction: Heng 2017 says
+only that it oscillates), not a gap just closed: a body at rest falls for a step, then is caught.
 """
 
 import numpy as np

@@ -59,7 +59,7 @@ class Biggs(SingleDof):
     hit_mass: ClassVar[str] = "shape"  # type: ignore[misc]
 
     name: ClassVar[str] = "biggs"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 4
     unused: ClassVar[tuple[str, ...]] = ("column.head_mass", "column.restraint_stiffness")
     crushing: ClassVar[bool] = False  # the energy says which mass is hit
     assumptions: ClassVar[tuple[str, ...]] = (

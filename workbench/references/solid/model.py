@@ -100,7 +100,7 @@ class SolidPlaneStress(Declared, table="option"):
 
     name: ClassVar[str] = "solid-plane-stress"
     material: ClassVar[tuple[str, ...]] = ("rate", "hardening")
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     judged: ClassVar[bool] = False
     crushing: ClassVar[bool] = True
     answers: ClassVar[tuple[str, ...]] = (ColumnPushover.KIND, ColumnImpact.KIND)
