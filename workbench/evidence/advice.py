@@ -15,9 +15,9 @@ from workbench.errors import InputError, OutOfDomainError, WorkbenchError
 from workbench.evidence.descriptors import DEMAND, features
 from workbench.evidence.error_model import ExpectedError, anchor_error, expected_error
 from workbench.evidence.error_table import ANCHOR, FINEST, REFERENCE, table_of
+from workbench.frames.members import SPREAD
 from workbench.frames.runs import LARGEST_SHEAR_STRAIN
 from workbench.models.base import Model, findings_before
-from workbench.models.hinge_limits import SPREAD
 from workbench.models.resistance import column_curve
 from workbench.models.strain_rate import with_strain_rate
 from workbench.registry import make_model

@@ -1,4 +1,4 @@
-"""Members of a frame: straight lines of them, fiber sections, plastic shear demand."""
+"""Members of a frame: straight lines, fiber sections, plastic shear demand, spread of yield."""
 
 from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
@@ -7,9 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from workbench.arrays import Array
 from workbench.fields import Number
 from workbench.materials import Steel
-from workbench.responses import Finding, finding
+from workbench.responses import Finding, Response, finding
 from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, FrameStatic, Member
 from workbench.scenarios.parts import MemberEnd, Node
 from workbench.sections import CircularTube, ISection, Rectangle, Section
@@ -17,6 +18,8 @@ from workbench.structures.fibers.section import BeamSection, LinearHardening
 
 STRAIGHT = 1e-6  # sine of the largest kink
 NAMED = 4  # members that a sentence names
+SPREAD, MATTERS = "spread", 0.1  # subject; share of the displacement
+BENT, FIBERS, POINTS = np.geomspace(1.0, 20.0, 60), 80, 101  # curvatures over that of first yield
 
 
 class Chain(NamedTuple):
@@ -228,3 +231,47 @@ def _ratio_findings(
                 finding(key, ratio, subject, source=source, members=where, least=least, loss=loss)
             )
     return findings
+
+
+def spread_findings(scenario: Any, response: Response) -> list[Finding]:
+    """Warning of yield between hinges, which they leave out, at the largest displacement of a push.
+
+    By virtual work with the moments of the run as virtual ones, linear between the ends of members,
+    on curvatures of sections without axial force: what those add to the displacement of elastic
+    bending and hinges at the same load, or take of the force at the same displacement.
+    """
+    frame, row = scenario.frame, int(np.abs(response["displacement"].values).argmax())
+    moments, turned = (
+        response[name].values[:, row].reshape(-1, 2) for name in ("moment", "plastic_rotation")
+    )
+    shares, zones = np.linspace(0.5, 1.0, 101), {}
+    hinges, elastic, extra = float(np.abs(moments * turned).sum()), 0.0, np.zeros(len(shares))
+    for member, (first, last) in zip(frame.members, moments, strict=True):
+        whole = frame.properties(member)
+        bent = np.abs(np.linspace(first, last, POINTS)) / whole.plastic_moment
+        moment, plastic = _beyond_elastic(frame.strength_section(member))
+        unit = frame.length(member) * whole.plastic_moment**2
+        unit /= frame.steel.elastic_modulus * whole.second_moment
+        elastic += unit * float(np.mean(bent**2))
+        curvatures = np.interp(np.outer(shares, bent), moment, plastic)
+        extra += unit * (np.mean(bent * curvatures, axis=1) - (1.0 - shares) * np.mean(bent**2))
+        zones[member.name] = float(np.mean(bent > moment[0]))
+    if scenario.control == "load":
+        key, share = SPREAD, float(extra[-1]) / max(elastic + hinges, 1e-300)
+    else:  # hinges that turn stand for as much that yields between them
+        kept = float(shares[extra <= hinges].max(initial=shares[0]))
+        key, share = "spread-of-force", 1.0 - kept
+    if share <= MATTERS:
+        return []
+    member = max(zones, key=lambda name: zones[name])
+    values = {"zone": zones[member], "member": member, "percent": 100.0 * share, "limit": MATTERS}
+    return [finding(key, share, **values)]
+
+
+@lru_cache(maxsize=256)
+def _beyond_elastic(section: Section) -> tuple[Array, Array]:
+    """Moments and plastic curvatures times EI, over the plastic moment, from first yield on."""
+    y, area = section.fibers(FIBERS)
+    stress = np.clip(BENT[:, None] * y * 2.0 / section.height, -1.0, 1.0)
+    moment = stress @ (y * area) / float(np.abs(y) @ area)
+    return moment, BENT * moment[0] - moment

@@ -9,6 +9,7 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.fields import Choice, Number, checked
 from workbench.frames.elastic import Spans, spans_to, time_to_peak, wave_times
+from workbench.frames.members import spread_findings
 from workbench.frames.structure import FrameStructure, stand_frame
 from workbench.frames.superelements import (
     FEWEST_LOADED,
@@ -19,7 +20,6 @@ from workbench.frames.superelements import (
 )
 from workbench.models.domain import hit_mass_findings
 from workbench.models.frame_model import FrameModel, as_frame
-from workbench.models.hinge_limits import spread_findings
 from workbench.responses import Finding, Response, finding, findings_of, set_findings
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FramePulse, FrameScenario
 from workbench.structures.elements import HingedElements

@@ -73,18 +73,15 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
     with linear_algebra().limit(limits=1):
         started = time.perf_counter()
         if scenario.KIND not in model.answers:
-            answers = ", ".join(model.answers)
-            other = finding("kind", name=model.name, answers=answers, kind=scenario.KIND)
-            response = refused_response([other])
-            return _signed(response, model, scenario, started)
-        warnings: list[Finding] = []
-        refusals: list[Finding] = []
+            kinds = ", ".join(model.answers)
+            other = finding("kind", name=model.name, answers=kinds, kind=scenario.KIND)
+            return _signed(refused_response([other]), model, scenario, started)
         solved, factor, left_out = with_strain_rate(model, scenario)
-        for each in findings_before(model, scenario, left_out):
-            (refusals if each.refusal else warnings).append(each)
+        findings = findings_before(model, scenario, left_out)
+        warnings = [each for each in findings if not each.refusal]
         striker = getattr(scenario, "striker", None)
-        if refusals:
-            response = refused_response(refusals)
+        if len(warnings) < len(findings):
+            response = refused_response([each for each in findings if each.refusal])
         else:
             try:
                 response = solve(solved)

@@ -1,4 +1,4 @@
-"""What limits hinges: catenary action, wear, plates that buckle, spread of yield, panels."""
+"""What limits hinges: catenary action, wear, plates that buckle, panels."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -12,7 +12,7 @@ from workbench.frames.elastic import dead_load_state
 from workbench.frames.members import named, shear_demand
 from workbench.hinges import ShearSurface, has_webs
 from workbench.materials import Steel
-from workbench.responses import Finding, Response, finding
+from workbench.responses import Finding, finding
 from workbench.scenarios import Frame, FrameImpact, FrameScenario, Member
 from workbench.scenarios.parts import MemberProperties
 from workbench.sections import CircularTube, ISection, Section
@@ -29,8 +29,6 @@ CATENARY = 0.5  # Mp / Npl, from where hinges are drawn out
 STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
 SLENDER = 0.83 * 86.4 / STOCKY  # of that: chi_w = 0.83 / lambda_w is 1, EN 1993-1-5, table 5.1
 FEW_PERCENT, MUCH = 0.01, 0.1  # between the strength of a section and that of a member
-SPREAD, MATTERS = "spread", 0.1  # subject; share of the displacement
-BENT, FIBERS, POINTS = np.geomspace(1.0, 20.0, 60), 80, 101  # curvatures over that of first yield
 AXIAL_SHARE = 0.15  # of the squash load; EN 1993-1-1, 6.2.9.1: an I section then loses some moment
 
 
@@ -55,50 +53,6 @@ def axial_findings(frame: Frame, effect: str) -> list[Finding]:
         return []
     share, member = float(shares[worst]), frame.members[worst].name
     return [finding("interaction", share, effect=effect, share=share, member=member)]
-
-
-def spread_findings(scenario: Any, response: Response) -> list[Finding]:
-    """Warning of yield between hinges, which they leave out, at the largest displacement of a push.
-
-    By virtual work with the moments of the run as virtual ones, linear between the ends of members,
-    on curvatures of sections without axial force: what those add to the displacement of elastic
-    bending and hinges at the same load, or take of the force at the same displacement.
-    """
-    frame, row = scenario.frame, int(np.abs(response["displacement"].values).argmax())
-    moments, turned = (
-        response[name].values[:, row].reshape(-1, 2) for name in ("moment", "plastic_rotation")
-    )
-    shares, zones = np.linspace(0.5, 1.0, 101), {}
-    hinges, elastic, extra = float(np.abs(moments * turned).sum()), 0.0, np.zeros(len(shares))
-    for member, (first, last) in zip(frame.members, moments, strict=True):
-        whole = frame.properties(member)
-        bent = np.abs(np.linspace(first, last, POINTS)) / whole.plastic_moment
-        moment, plastic = _beyond_elastic(frame.strength_section(member))
-        unit = frame.length(member) * whole.plastic_moment**2
-        unit /= frame.steel.elastic_modulus * whole.second_moment
-        elastic += unit * float(np.mean(bent**2))
-        curvatures = np.interp(np.outer(shares, bent), moment, plastic)
-        extra += unit * (np.mean(bent * curvatures, axis=1) - (1.0 - shares) * np.mean(bent**2))
-        zones[member.name] = float(np.mean(bent > moment[0]))
-    if scenario.control == "load":
-        key, share = SPREAD, float(extra[-1]) / max(elastic + hinges, 1e-300)
-    else:  # hinges that turn stand for as much that yields between them
-        kept = float(shares[extra <= hinges].max(initial=shares[0]))
-        key, share = "spread-of-force", 1.0 - kept
-    if share <= MATTERS:
-        return []
-    member = max(zones, key=lambda name: zones[name])
-    values = {"zone": zones[member], "member": member, "percent": 100.0 * share, "limit": MATTERS}
-    return [finding(key, share, **values)]
-
-
-@lru_cache(maxsize=256)
-def _beyond_elastic(section: Section) -> tuple[Array, Array]:
-    """Moments and plastic curvatures times EI, over the plastic moment, from first yield on."""
-    y, area = section.fibers(FIBERS)
-    stress = np.clip(BENT[:, None] * y * 2.0 / section.height, -1.0, 1.0)
-    moment = stress @ (y * area) / float(np.abs(y) @ area)
-    return moment, BENT * moment[0] - moment
 
 
 @lru_cache(maxsize=64)
