@@ -86,14 +86,16 @@ def fallen(mass: float, stiffness: float, velocity: float, gravity: float = GRAV
 def test_a_falling_mass_goes_as_far_as_the_closed_form(name: str) -> None:
     for velocity in (LOW, 10.0 * LOW):
         weightless = peak(name, fall(velocity, gravity=False))
-        stiffness = MASS * (velocity / weightless) ** 2  # of the model: shear, hinges
+        stiffness = MASS * (velocity / weightless) ** 2  # of the model: shear, hinges, some mass
         assert stiffness == pytest.approx(STIFFNESS, rel=0.07)
         went = peak(name, fall(velocity))
-        assert went == pytest.approx(fallen(MASS, stiffness, velocity), rel=3e-3)
+        assert went == pytest.approx(fallen(MASS, stiffness, velocity), rel=6e-3)
     assert peak(name, fall(LOW)) == pytest.approx(4.46e-3, rel=0.04)  # bending alone
     up = peak(name, fall(LOW, direction="up", gravity=True))
     stiffness = MASS * (LOW / peak(name, fall(LOW, gravity=False))) ** 2
-    rings = 5e-3 if name == "soft-impact" else 3e-3  # the mass of the beam on the striker's spring
+    rings = (
+        1.5e-2 if name == "soft-impact" else 6e-3
+    )  # the mass of the beam on the striker's spring
     assert up == pytest.approx(fallen(MASS, stiffness, LOW, -GRAVITY), rel=rings)
 
 
