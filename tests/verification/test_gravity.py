@@ -200,7 +200,7 @@ def test_a_pulse_on_a_member_that_lies_meets_less_strength() -> None:
         still = float(answer(name, standing)["peak_displacement"])
         assert float(lifted["peak_displacement"]) < still < float(lying["peak_displacement"])
         sag = 5.0 / 384.0 * 3000.0 * GRAVITY * 4.0**4 / (210e9 * column.properties.second_moment)
-        assert lying.attrs["dead_displacement"] == pytest.approx(sag, rel=0.06)
+        assert sag < 1.02 * lying.attrs["dead_displacement"] < 1.12 * sag  # shear of the web on top
 
 
 def test_own_weight_is_a_dead_load_of_every_frame() -> None:
