@@ -83,7 +83,8 @@ def test_the_spring_of_the_striker_flows_unloads_and_never_pulls() -> None:
 def test_steps_are_of_second_order(weak: ColumnImpact) -> None:
     curve = SoftImpact().curve(weak)
     mass, ends = weak.column.properties.impact_mass, []
-    drive = 1500.0, 0.1, 0.0, 0.0, curve.elastic_limit, 1.0, mass, 2e7, inf
+    blow, weightless = (1500.0, 0.1, 0.0, 0.0), (0.0, 0.0)
+    drive = *blow, curve.elastic_limit, 1.0, mass, *weightless, 2e7, inf
     for steps in (40, 80, 160, 1280):
         pace = Pace.equal(0.004, 0.004 / steps, steps)
         run = follow(impact, (curve.pieces,), pace, drive, RECORD)
