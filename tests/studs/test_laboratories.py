@@ -168,7 +168,7 @@ SCATTERS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 }
 
 
-@pytest.mark.parametrize("runs", [1, pytest.param(200, marks=slow)])
+@pytest.mark.parametrize("runs", [4, pytest.param(200, marks=slow)])
 @pytest.mark.parametrize("sizes", [[6] * 3, [6] * 6, [11]])
 @pytest.mark.parametrize("kind", SCATTERS)
 def test_after_damage(kind: str, sizes: list[int], runs: int) -> None:
@@ -189,4 +189,4 @@ def test_after_damage(kind: str, sizes: list[int], runs: int) -> None:
         assert 0.03 <= last <= 0.07, last
         assert 0.85 <= np.mean(inside) <= 0.96, np.mean(inside)
     else:
-        assert 0.0 <= last <= 0.2
+        assert 0.0 < share <= 0.05 + 0.1  # one laboratory in four may err by itself
