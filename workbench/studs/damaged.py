@@ -18,7 +18,7 @@ from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding, finding
 from workbench.studs.formulas import strength_formula
-from workbench.studs.quantities import Array, equal_studs, shank_area, specimens
+from workbench.studs.quantities import Array, equal_studs, named, shank_area, specimens
 from workbench.studs.schema import (
     FATIGUE,
     HEADED,
@@ -29,6 +29,7 @@ from workbench.studs.schema import (
     PREDICTED,
     QUANTITIES,
     SN_LIFE,
+    TOTAL_TOLERANCE,
 )
 from workbench.studs.statistics.problem import LEAST_CAMPAIGNS
 
@@ -63,6 +64,9 @@ def damage_findings(rows: pd.DataFrame, quantity: str) -> Iterator[Finding]:
     """What the way in which damage was measured says against it, for the rows of a fit."""
     if (rows["predamage_measure"] == SN_LIFE).any():
         yield finding("stud-characteristic-life")
+    weak = rows[rows["shear_kN"] < (1.0 - TOTAL_TOLERANCE) * rows["predamage_peak_kN"]]
+    if len(weak):
+        yield finding("stud-weaker", float(len(weak)), count=len(weak), tests=named(weak))
     peak, tests = peaks_of(rows), len(rows)
     if quantity != "strength":
         peak = rows["predamage_peak_kN"].astype(float) / rows["undamaged_shear_kN"].astype(float)

@@ -117,6 +117,7 @@ PREDICTED = "predicted"  # an undamaged strength that no test gave
 FATIGUE, LIFE, SN_LIFE = "fatigue", "life fraction", "S-N life fraction"
 # of studs about their mean strength; a mean life may be several times the characteristic one
 LARGEST_LEVEL = {"section loss": 1.0, "load ratio": 1.3, SN_LIFE: 10.0}
+LEAST_OF_BORNE = 0.9  # of a load just borne, that a stud bears again: both are measured
 PUSHED = (FATIGUE, "push-out")  # damage by shear, as the test that follows it
 LIKE_LEVEL = 0.02  # by which a given share of life may miss that of the cycles
 _CYCLES = (
@@ -218,7 +219,7 @@ def _predamage(row: Row) -> Iterator[RowFinding]:
         reason = f"is more than from {-peak:g} to {peak:g} kN"
         yield "predamage_range_kN", span, reason, "it is the largest load of a cycle less the least"
     borne, shear = max(peak or 0.0, 0.5 * (span or 0.0)), known(row, "shear_kN")
-    if shear and kind in PUSHED and shear < (1.0 - TOTAL_TOLERANCE) * borne:
+    if shear and kind in PUSHED and shear < LEAST_OF_BORNE * borne:
         advice = f"its cycles have reached {borne:g} kN: is one of them of the whole specimen?"
         yield "shear_kN", shear, "is less than the load that the stud has borne", advice
     if level is None:
