@@ -17,7 +17,7 @@ from workbench.models.four_dof import FourDof
 from workbench.registry import make_model
 from workbench.responses.uncertainty import WIDTHS
 from workbench.scenarios import frame_scenario
-from workbench.uncertainty.certificate import certificate
+from workbench.uncertainty.certificate import certificate, verify
 from workbench.uncertainty.critical_velocity import (
     ALREADY,
     BY_COLLAPSE,
@@ -31,7 +31,6 @@ from workbench.uncertainty.critical_velocity import (
 from workbench.uncertainty.fragility import fragility
 from workbench.uncertainty.inputs import uncertain_from_text
 from workbench.uncertainty.sample_runs import Sampled, Setup, Target
-from workbench.uncertainty.verification import verify
 
 TEXT = f"""{UNCERTAIN}mass = {{ lognormal = {{ mean = 1500.0, cov = 0.1 }} }}
 velocity = 10.0
@@ -252,7 +251,7 @@ def test_the_numerical_part_of_the_band_is_computed_again(monkeypatch):
     assert shift == pytest.approx(0.015 / 1.8, rel=0.3)  # what the finer mesh takes off the peak
     assert len(found.finer.runs) == 4
     known = {model.name: model for model in pair}
-    monkeypatch.setattr("workbench.uncertainty.verification.make_model", known.get)
+    monkeypatch.setattr("workbench.uncertainty.certificate.make_model", known.get)
     content = json.loads(json.dumps(certificate(found), allow_nan=False))
     sound = verify(content, seed=3)
     assert sound.holds

@@ -141,7 +141,7 @@ def verify(
     """
     from workbench.datafiles import open_input
     from workbench.fields import Number
-    from workbench.uncertainty.verification import verify as computed_again
+    from workbench.uncertainty import certificate as certificates
 
     Number(0, 2**32 - 1, integer=True).check("--seed", seed)
     count = processes(jobs)
@@ -155,7 +155,7 @@ def verify(
     several = content.get("curves") if content.get("kind") == CURVES else [content]
     if not isinstance(several, list) or not all(isinstance(each, Mapping) for each in several):
         raise InputError("certificate.curves", None, "must be a list of certificates")
-    verified = [computed_again(one, seed, count) for one in several]
+    verified = [certificates.verify(one, seed, count) for one in several]
     checked = [each for one in verified for each in one.runs]
     differs = list(dict.fromkeys(place for one in verified for place in one.differs))
     columns = {
