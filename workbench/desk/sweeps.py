@@ -146,9 +146,8 @@ def sweep(
         _ = varied[0]  # says why
     named = {key: (each, {"units": unit_at(given, key)}) for key, each in read.items()}
     if cases is None:
-        return _dataset(
-            rows, {"model": names, **{k: (k, *pair) for k, pair in named.items()}}, named
-        )
+        crossed = {key: (key, *pair) for key, pair in named.items()}
+        return _dataset(rows, {"model": names, **crossed}, named)
     coordinates = {"case": range(count), **{k: ("case", *pair) for k, pair in named.items()}}
     return _dataset(rows, {"model": names, **coordinates}, ["case"])
 
@@ -194,8 +193,7 @@ def _dataset(rows: pd.DataFrame, coordinates: Mapping[str, Any], over: Iterable[
     variables: dict[str, Any] = {}
     for name in SCALARS:
         if name in rows:
-            about = VARIABLES[name]
-            labels = {"long_name": about.long_name, "units": about.units}
+            labels = {"long_name": VARIABLES[name].long_name, "units": VARIABLES[name].units}
             variables[name] = (dims, rows[name].to_numpy(dtype=float).reshape(shape), labels)
     for name in (OUTCOME, FAILURE):
         variables[name] = (dims, rows[name].to_numpy(dtype=object).reshape(shape))

@@ -1,7 +1,7 @@
 """The certificate of a fragility curve: all that it rests on, and the check that it holds.
 
 A JSON object with the scenario as TOML, models with versions, seed, samples, looks, every
-reference, and the curve. `verify` computes it again.
+reference, and the curve. `verify` computes it again and compares all of it.
 """
 
 from collections.abc import Iterator, Mapping

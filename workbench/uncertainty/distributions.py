@@ -21,8 +21,8 @@ from workbench.errors import InputError
 
 _EULER = 0.5772156649015329
 _SHAPES = (0.2, 200.0)  # of a Weibull distribution: cov 16 to 0.006
-_LARGEST = 1e30  # number of a law
-_VARIATIONS = (1e-6, 10.0)  # coefficients of variation
+_LARGEST, _VARIATIONS = 1e30, (1e-6, 10.0)  # number of a law; coefficients of variation
+_ENDS = (("low", -inf), ("high", inf))
 _NEAREST = 1e-15  # probabilities stay this far from 0 and 1
 
 
@@ -51,9 +51,8 @@ LAWS = (*MOMENT_LAWS, "uniform", "triangular", "discrete", "jcss")
 POSITIVE = ("lognormal", "weibull")
 
 # JCSS Probabilistic Model Code: 3.2 steel (f_nom exp(2 V) - 20 MPa, V = 0.07; modulus), 2.18 impact
-_V = 0.07
+_V, _KMH = 0.07, 1.0 / 3.6
 _GRADES = {"S235": 235e6, "S275": 275e6, "S355": 355e6}
-_KMH = 1.0 / 3.6
 JCSS: dict[str, dict[str, tuple[str, float, float]]] = {
     "yield_stress": {
         grade: ("lognormal", nominal * exp(2.0 * _V) - 20e6, _V * (nominal * exp(2.0 * _V) - 20e6))
@@ -129,14 +128,10 @@ def distribution_of(path: str, table: Mapping[str, Any]) -> Distribution:
     return Distribution(law, frozen, low, high)
 
 
-_ENDS = (("low", -inf), ("high", inf))
-
-
 def _number(path: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or value != value:
-        raise InputError(path, value, "must be a number in SI units")
-    if _LARGEST < abs(value) < inf:
-        raise InputError(path, value, f"must lie within {_LARGEST:g} of 0")
+    known = isinstance(value, int | float) and not isinstance(value, bool) and value == value
+    if not known or _LARGEST < abs(value) < inf:
+        raise InputError(path, value, f"must be a number in SI units, within {_LARGEST:g} of 0")
     return float(value)
 
 
@@ -150,8 +145,7 @@ def _frozen(path: str, law: str, given: Any) -> Any:
             raise InputError(key, given, "needs a mean above 0")
         least, most = (0.006, 15.0) if law == "weibull" else _VARIATIONS
         is_share = law in POSITIVE or (isinstance(given, Mapping) and "cov" in given)
-        wide = is_share and sd > most * abs(mean)
-        if wide or sd < max(least * abs(mean), 1.0 / _LARGEST):
+        if (is_share and sd > most * abs(mean)) or sd < max(least * abs(mean), 1.0 / _LARGEST):
             text = f"needs a coefficient of variation from {least:g} to {most:g}"
             raise InputError(key, given, text, "write a number where nothing varies")
         return MOMENT_LAWS[law](mean, sd)

@@ -12,17 +12,15 @@ is forecast so; xi = gamma_1 + e gamma_0, 0 <= P perp xi >= 0 there.
 
     q1 = q0 + h (v0 + v1) / 2,   M (v1 - v0) + h f_mean = W P,   f_mean . (q1 - q0) = U1 - U0.
 
-Multiplied by (v0 + v1) / 2 = (q1 - q0) / h the step gives T1 + U1 - T0 - U0 = P (gamma_0 +
-gamma_1) / 2: a free step keeps energy exactly whatever its length, and an impact of Newton's law
-changes it by P (1 - e) gamma_0 / 2 <= 0, which for e = 1 is nothing.
+Multiplied by (v0 + v1) / 2 = (q1 - q0) / h the step gives T1 + U1 - T0 - U0 = P (gamma_0 + gamma_1)
+/ 2: a free step keeps energy exactly, an impact changes it by P (1 - e) gamma_0 / 2 <= 0.
 
 **Moreau's explicit midpoint step as the thesis has it (Heng 2017, eqs 3.26-3.30; Moreau 1988).**
 
     q_m = q0 + h v0 / 2,   M (v1 - v0) + h f(q_m) = W P,   q1 = q_m + h v1 / 2,
 
 closed where the gap at q_m is. Two corrections to print: (3.28) needs r = (W' M^-1 W)^-1, not its
-inverse, and (3.30) adds v1 alone to q_m (with v1 + v0 a body at rest in velocity v would move by
-3 h v / 2 in a step).
+inverse, and (3.30) adds v1 alone to q_m (v1 + v0 would move a free body by 3 h v / 2 in a step).
 
 **Explicit central differences with contact impulses (Belytschko, Liu and Moran 2000, 6.2).**
 
