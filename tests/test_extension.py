@@ -236,9 +236,8 @@ def add_scalar(root: Path) -> None:
     swap(root / "workbench/responses/variables.csv", line, line + more)
     swap(
         root / "workbench/models/energy_estimate.py",
-        '"peak_displacement": peak,\n            "res',
-        '"largest_velocity": scenario.striker.velocity,\n            "peak_displacement": peak,'
-        '\n            "res',
+        '"peak_displacement": peak - sag,\n',
+        '"largest_velocity": scenario.striker.velocity,\n            "peak_displacement": peak - sag,\n',
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 from toy_models import Spring, Troubled
@@ -19,6 +19,10 @@ from workbench.testing import check_model, problems_of
 @dataclass(frozen=True)
 class Good(Spring):
     """A spring to break."""
+
+    unused: ClassVar[tuple[str, ...]] = (
+        *("column.*", "steel.*", "striker.restitution", "striker.direction"),
+    )
 
 
 def broken(**members: Any) -> Any:
@@ -184,5 +188,7 @@ def test_a_foreign_scenario_in_the_list_is_said(thesis_impact: ColumnImpact) -> 
 
 
 def test_inputs_that_change_nothing_are_named(thesis_impact: ColumnImpact) -> None:
-    problems = problems_of(broken(unused=("column.*", "steel.*")), [thesis_impact])
+    problems = problems_of(
+        broken(unused=("column.*", "steel.*", "striker.direction")), [thesis_impact]
+    )
     assert problems == ["striker.restitution changes nothing: use it, or name it in `unused`"]

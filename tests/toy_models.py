@@ -33,7 +33,6 @@ class Spring:
     name: ClassVar[str] = "toy-spring"
     version: ClassVar[int] = 1
     judged: ClassVar[bool] = False
-    unused: ClassVar[tuple[str, ...]] = ("column.*", "steel.*", "striker.restitution")
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
     assumptions: ClassVar[tuple[str, ...]] = ("Linear spring, no mass but the striker's.",)
     sources: ClassVar[tuple[str, ...]] = ()

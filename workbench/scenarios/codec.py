@@ -158,8 +158,13 @@ def dumped(key: str, value: Any) -> str:
 
 def set_inputs(whole: Declared) -> dict[str, Input]:
     """Return the inputs of an object that are not at their defaults, by path: the first of many."""
-    found = [each for each in inputs_of(whole) if each.value != each.default]
-    return {each.path: each for each in reversed(found)}
+    if "set" not in whole.kept:
+        whole.kept["set"] = inputs = dict[str, Input]()
+        for each in inputs_of(whole):
+            if each.value != each.default:
+                inputs.setdefault(each.path, each)
+    kept: dict[str, Input] = whole.kept["set"]
+    return kept
 
 
 def inputs_of(part: Any, table: str = "", entry: tuple[Any, ...] = ()) -> Iterator[Input]:

@@ -24,7 +24,7 @@ from workbench.scenarios.parts import (
 from workbench.sections import SECTION, Section
 
 MASS = Number(1e-3, 1e7, "kg")
-VELOCITY = Number(1e-3, 300.0, "m/s", advice="velocities are in m/s, not km/h")
+VELOCITY = Number(1e-6, 300.0, "m/s", advice="velocities are in m/s, not km/h")
 RESTITUTION = Number(0.0, 1.0)
 DURATION = Number(1e-9, 10.0, "s", advice="durations are in seconds")
 MOST_POINTS = 50  # of a crush law

@@ -16,7 +16,7 @@ MISSILE = {
     "mass_kg_per_m": Number(0.0, 1e6, "kg/m"),
     "crushing_force_N": Number(0.0, 1e12, "N"),
 }
-VELOCITY = Number(0.0, 1e3, "m/s", low_included=False)
+VELOCITY = Number(1e-3, 1e3, "m/s")
 _PARTS, _FINE, _HALVINGS = 400, 4000, 40  # of a missile; of what is left of it
 _AT, _WEIGHT = np.polynomial.legendre.leggauss(5)
 
