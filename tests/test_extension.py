@@ -237,7 +237,8 @@ def add_scalar(root: Path) -> None:
     swap(
         root / "workbench/models/energy_estimate.py",
         '"peak_displacement": peak - sag,\n',
-        '"largest_velocity": scenario.striker.velocity,\n            "peak_displacement": peak - sag,\n',
+        '"largest_velocity": scenario.striker.velocity,\n'
+        '            "peak_displacement": peak - sag,\n',
     )
 
 
