@@ -52,11 +52,10 @@ def test_a_beam_sags_and_bears_less_by_its_line_load(name: str) -> None:
     bare, loaded = (make_model(name).simulate(pushed(beam(q), 0.15)) for q in (0.0, LOAD))
     assert outcome_of(bare) is outcome_of(loaded) is Outcome.OK
     stiffness = float(bare["force"][1] / bare["displacement"][1])
+    soft = 0.08 if name == "flexible-superelement" else 0.05
     sag = 5.0 * LOAD * SPAN / (8.0 * stiffness)
-    assert loaded.attrs["dead_displacement"] == pytest.approx(
-        sag, rel=0.04 if name.startswith("flex") else 0.02
-    )
-    assert stiffness == pytest.approx(48.0 * 210e9 * 8356e-8 / SPAN**3, rel=0.06)
+    assert loaded.attrs["dead_displacement"] == pytest.approx(sag, rel=0.5 * soft)
+    assert stiffness == pytest.approx(48.0 * 210e9 * 8356e-8 / SPAN**3, rel=soft)
     # mechanism with a hinge at mid-span: P L / 4 + q L^2 / 8 = M_p
     for response, moment in ((bare, plastic), (loaded, plastic - LOAD * SPAN**2 / 8.0)):
         assert float(response["force"].max()) == pytest.approx(4.0 / SPAN * moment, rel=0.03)
