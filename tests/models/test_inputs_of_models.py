@@ -153,14 +153,15 @@ def pairs() -> Iterator[Any]:
     """All models with the scenarios that they answer.
 
     Models of frames answer a column as the frame of its members: one of them, the anchor, shows
-    all kinds at once, the others a push, and the rest among the long studies.
+    all kinds at once, the others a push, and the rest among the long studies, as all of the solid.
     """
     for name in MODELS:
-        quick = not issubclass(model_kind(name), FrameModel) or name == "flexible-superelement"
+        of_frames = issubclass(model_kind(name), FrameModel) and name != "flexible-superelement"
         for usual in SCENARIOS:
             if usual.KIND in coarse(name).answers:
                 scenario = SPECIAL.get(name, usual)
-                marks = [] if quick or usual.KIND == ColumnPushover.KIND else [pytest.mark.slow]
+                is_long = of_frames and usual.KIND != ColumnPushover.KIND
+                marks = [pytest.mark.slow] if is_long or name == "solid-plane-stress" else []
                 yield pytest.param(name, scenario, id=f"{name}-{usual.KIND}", marks=marks)
 
 
