@@ -153,7 +153,7 @@ def pairs() -> Iterator[Any]:
     """All models with the scenarios that they answer.
 
     Models of frames answer a column as the frame of its members: one of them, the anchor, shows
-    all kinds at once, the others a push, and the rest among the long studies, as all of the solid.
+    all kinds at once, the others a push, and the rest on demand, as all of the solid.
     """
     for name in MODELS:
         of_frames = issubclass(model_kind(name), FrameModel) and name != "flexible-superelement"
@@ -166,7 +166,7 @@ def pairs() -> Iterator[Any]:
 
 
 @pytest.mark.usefixtures("few_steps")
-@pytest.mark.parametrize(("name", "scenario"), pairs())
+@pytest.mark.parametrize(("name", "scenario"), list(pairs()))
 def test_all_inputs_are_used_or_said_not_to_be(name: str, scenario: Scenario) -> None:
     model = coarse(name)
     assert model.simulate(scenario).data_vars, f"{name} refuses {scenario.KIND}"

@@ -109,7 +109,7 @@ class ColumnOfFrame(Answering):
 
     @property
     def unused(self) -> tuple[str, ...]:
-        """Strengths of joints, where the restraint stays elastic: the column has none of its own."""
+        """Strengths of joints, where the restraint stays elastic."""
         return () if self.restraint == "yielding" else ("joint.*_resistance", "joint.plastic_*")
 
     def check(self) -> None:
