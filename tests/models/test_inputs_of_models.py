@@ -69,7 +69,7 @@ SCENARIOS: tuple[Scenario, ...] = (
     MemberPulse("pulse", COLUMN, Pulse("friedlander", 1.5e6, 0.01), duration=0.008),
     FrameStatic("static", FRAME, PATTERN, "A1", "x", (0.15, -0.2)),
     FrameImpact("hit", FRAME, FrameStriker(1500.0, 15.0, node="A", direction="+x"), 0.006),
-    FrameGroundMotion("shaken", FRAME, (0.0, 900.0, 900.0, 900.0, -300.0), 0.004, "A1", "x"),
+    FrameGroundMotion("shaken", FRAME, (0.0, -900.0, -900.0, -900.0, 300.0), 0.004, "A1", "x"),
     FramePulse(
         "blast", FRAME, Pulse("friedlander", 1e6, 0.01), "A", "+x", PATTERN, ("A0-A",), 0.006
     ),
