@@ -1,6 +1,7 @@
 """Members of a frame: straight lines, fiber sections, plastic shear demand, spread of yield."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import lru_cache
 from math import sqrt
 from typing import Any, NamedTuple
@@ -18,6 +19,7 @@ from workbench.structures.fibers.section import BeamSection, LinearHardening
 
 STRAIGHT = 1e-6  # sine of the largest kink
 NAMED = 4  # members that a sentence names
+SAME = 0.01  # relative difference of an override from what a model makes of it that counts as none
 SPREAD, MATTERS = "spread", 0.1  # subject; share of the displacement
 BENT, FIBERS, POINTS = np.geomspace(1.0, 20.0, 60), 80, 101  # curvatures over that of first yield
 
@@ -119,6 +121,42 @@ def fiber_section(frame: Frame, member: Member, layers: int, hardening_ratio: fl
     hardening = steel.hardening_modulus or hardening_ratio * modulus
     law = LinearHardening(modulus, steel.yield_stress, hardening, rate=steel.rate)
     return BeamSection(y, area, law, frame.properties(member).mass_per_length)
+
+
+def fiber_overrides(frame: Frame, layers: int) -> list[Finding]:
+    """Overrides of section values that so many layers of fibers leave out."""
+
+    def values(section: Section, steel: Steel) -> dict[str, float]:
+        y, area = section.fibers(layers)
+        return {
+            "area": np.sum(area),
+            "second_moment": np.sum(y**2 * area),
+            "plastic_moment": steel.yield_stress * np.sum(np.abs(y) * area),
+            "squash_load": steel.yield_stress * np.sum(area),
+        }
+
+    return override_findings(frame, values, "fibers come")
+
+
+def override_findings(
+    frame: Frame, values: Callable[[Section, Steel], Mapping[str, float]], shape: str
+) -> list[Finding]:
+    """Overrides of section values that differ by over 1 % from what a model makes of the section.
+
+    Arguments: these `values`, of the section that gives the strength; `shape`, what of the model
+    comes from the section alone.
+    """
+    members = defaultdict(list)  # by the difference
+    for member in frame.members:
+        for key, value in values(frame.strength_section(member), frame.steel).items():
+            given = getattr(member, key)
+            if given is not None and abs(given / value - 1.0) > SAME:
+                members[f"{key} = {given:.5g} against {value:.5g}"].append(member.name)
+    if not members:
+        return []
+    texts = [f"{difference} ({named(names)})" for difference, names in members.items()]
+    more = f" and {len(texts) - 4} more" if len(texts) > 4 else ""
+    return [finding("section", shape=shape, differences=", ".join(texts[:4]) + more)]
 
 
 def residual_findings(frame: Frame, pattern: str) -> list[Finding]:

@@ -107,6 +107,11 @@ class ColumnOfFrame(Answering):
         """Whether the model of the column knows a striker that crushes."""
         return bool(getattr(MODELS[self.model], "crushing", False))
 
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """Strengths of joints, where the restraint stays elastic."""
+        return () if self.restraint == "yielding" else ("joint.*_resistance", "joint.plastic_*")
+
     def check(self) -> None:
         """Refuse a yielding restraint where the model's spring is elastic."""
         if self.restraint == "yielding" and self.model != RigidSuperelement.name:

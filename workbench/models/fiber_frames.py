@@ -15,7 +15,13 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.fields import Choice, Number, checked
-from workbench.frames.members import LAYERS, check_layers, fiber_section, residual_findings
+from workbench.frames.members import (
+    LAYERS,
+    check_layers,
+    fiber_overrides,
+    fiber_section,
+    residual_findings,
+)
 from workbench.models.bar_frames import Cut
 from workbench.models.frame_model import as_frame
 from workbench.models.hinged_frames import BarHinges, Traits
@@ -26,10 +32,7 @@ from workbench.structures.fibers import PATTERNS, BeamSection, section_fibers
 from workbench.structures.fibers.section import LinearHardening, yielding_in_bending
 
 CALIBRATED = 40  # layers of the fibers that two surfaces are calibrated on
-LAYERS_HELP = "over the depth, an even number"
-HARDENING_HELP = "kinematic hardening over the elastic modulus"
 POINTS_HELP = "Gauss-Lobatto points along an element, ends included"
-OF_FIBERS = Traits(second_order=False, euler_share=0.0)
 OF_RESULTANTS = Traits(
     "super-ellipse",
     second_order=False,
@@ -54,7 +57,7 @@ RESULTANTS = (
 
 
 def fiber_group(
-    model: "ForceBasedBeam | FiberHinge", frame: Frame, cut: Cut, bars: list[Bar], rules: list[Rule]
+    model: "FiberBars", frame: Frame, cut: Cut, bars: list[Bar], rules: list[Rule]
 ) -> BarElements:
     """Elements with fibers at the points of their rules, which give the elastic stiffness too."""
     sections, elastic = [], []
@@ -68,17 +71,34 @@ def fiber_group(
 
 
 @dataclass(frozen=True)
-class ForceBasedBeam(BarHinges):
+class FiberBars(BarHinges):
+    """Force-based elements whose sections are fibers."""
+
+    layers: int = checked(LAYERS, 20, help="over the depth, an even number")
+    hardening_ratio: float = checked(
+        Number(1e-9, 0.1), 1e-6, help="kinematic hardening over the elastic modulus"
+    )
+
+    traits: ClassVar[Traits] = Traits(second_order=False, euler_share=0.0)
+
+    def check(self) -> None:
+        """Refuse an odd number of layers."""
+        check_layers(self)
+
+    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
+        """Findings of hinges, and overrides that fibers leave out."""
+        return super().domain(scenario) + fiber_overrides(as_frame(scenario).frame, self.layers)
+
+
+@dataclass(frozen=True)
+class ForceBasedBeam(FiberBars):
     """Force-based fiber element with Gauss-Lobatto points; `regularisation` is not used."""
 
-    layers: int = checked(LAYERS, 20, help=LAYERS_HELP)
-    hardening_ratio: float = checked(Number(1e-9, 0.1), 1e-6, help=HARDENING_HELP)
     points: int = checked(Number(3, 20, integer=True), 5, help="along an element")
 
     concentrated: ClassVar[bool] = False
     name: ClassVar[str] = "force-based-beam"
     version: ClassVar[int] = 7
-    traits: ClassVar[Traits] = OF_FIBERS
     sources: ClassVar[tuple[str, ...]] = ("spacone1996", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Gauss-Lobatto points with fibers; without hardening plasticity stays at the end points, "
@@ -86,36 +106,25 @@ class ForceBasedBeam(BarHinges):
         *FIBERS,
     )
 
-    def check(self) -> None:
-        """Refuse an odd number of layers."""
-        check_layers(self)
-
     def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
         """Elements with fibers at Gauss-Lobatto points."""
         return fiber_group(self, frame, cut, bars, [lobatto_rule(self.points)] * len(bars))
 
 
 @dataclass(frozen=True)
-class FiberHinge(BarHinges):
+class FiberHinge(FiberBars):
     """Fibers at both ends of an element that is elastic between; `regularisation` is not used."""
 
-    layers: int = checked(LAYERS, 20, help=LAYERS_HELP)
-    hardening_ratio: float = checked(Number(1e-9, 0.1), 1e-6, help=HARDENING_HELP)
     hinge_length: float = checked(Number(0.01, 10.0), 1.0, help="over the depth of the section")
 
     name: ClassVar[str] = "fiber-hinge"
     version: ClassVar[int] = 7
-    traits: ClassVar[Traits] = OF_FIBERS
     sources: ClassVar[tuple[str, ...]] = ("ngohuu2007", "scott2006", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Fibers over a hinge length (the depth of the section) at both ends; what lies between "
         "never yields.",
         *FIBERS,
     )
-
-    def check(self) -> None:
-        """Refuse an odd number of layers."""
-        check_layers(self)
 
     def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
         """Elements with fibers at both ends, at most an eighth of the length each."""

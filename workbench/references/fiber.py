@@ -4,20 +4,14 @@ A column is the frame of its two members. Each reference adds its elements and t
 """
 
 from abc import abstractmethod
-from collections import defaultdict
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import ClassVar
-
-import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Number, checked
 from workbench.frames.elastic import Spans, line_wave_times, spans_to, time_to_peak
-from workbench.frames.members import LAYERS, check_layers, named
+from workbench.frames.members import LAYERS, check_layers, fiber_overrides
 from workbench.frames.structure import FrameStructure, stand_frame
-from workbench.materials import Steel
 from workbench.models.base import respond
 from workbench.models.frame_model import EXPLICIT, IMPLICIT, FrameModel, as_frame
 from workbench.references.fiber_mesh import (
@@ -46,14 +40,12 @@ from workbench.scenarios import (
     FrameScenario,
     Scenario,
 )
-from workbench.sections import Section
 from workbench.structures.fibers import FiberElements
 
 PEAK_STEPS = 130.0  # time steps up to the expected peak, at least
 WAVE_STEPS = 20.0  # time steps while an axial wave passes the longest member, at least
 LONE_STEPS = 10.0  # where no other member is: it does as well within 0.1 % of the peak
 LEAST_STEPS = 200.0  # time steps of a record, at least
-SAME = 0.01  # relative difference of an override from what the fibers give that counts as none
 
 
 @dataclass(frozen=True)
@@ -126,9 +118,7 @@ class FiberReference(FrameModel):
         return [
             *(f for f in super().domain(scenario) if f.refusal or f.subject not in followed),
             *joint_findings(event.frame),
-            *override_findings(
-                event.frame, partial(fiber_values, layers=self.layers), "fibers come"
-            ),
+            *fiber_overrides(event.frame, self.layers),
             *mesh_findings(event, self.lengths(event), self.sampled),
         ]
 
@@ -182,35 +172,3 @@ def joint_findings(frame: Frame) -> list[Finding]:
     strengths = {j.name: (j.plastic_moment, j.plastic_moment_negative) for j in frame.joints}
     names = [name for name, each in strengths.items() if name in used and any(each)]
     return [finding("joint-moments", names=", ".join(names))] if names else []
-
-
-def fiber_values(section: Section, steel: Steel, layers: int) -> dict[str, float]:
-    """What so many layers of fibers make of a section, by the names of its overrides."""
-    y, area = section.fibers(layers)
-    return {
-        "area": np.sum(area),
-        "second_moment": np.sum(y**2 * area),
-        "plastic_moment": steel.yield_stress * np.sum(np.abs(y) * area),
-        "squash_load": steel.yield_stress * np.sum(area),
-    }
-
-
-def override_findings(
-    frame: Frame, values: Callable[[Section, Steel], Mapping[str, float]], shape: str
-) -> list[Finding]:
-    """Overrides of section values that differ by over 1 % from what a model makes of the section.
-
-    Arguments: these `values`, of the section that gives the strength; `shape`, what of the model
-    comes from the section alone.
-    """
-    members = defaultdict(list)  # by the difference
-    for member in frame.members:
-        for key, value in values(frame.strength_section(member), frame.steel).items():
-            given = getattr(member, key)
-            if given is not None and abs(given / value - 1.0) > SAME:
-                members[f"{key} = {given:.5g} against {value:.5g}"].append(member.name)
-    if not members:
-        return []
-    texts = [f"{difference} ({named(names)})" for difference, names in members.items()]
-    more = f" and {len(texts) - 4} more" if len(texts) > 4 else ""
-    return [finding("section", shape=shape, differences=", ".join(texts[:4]) + more)]

@@ -15,12 +15,12 @@ from numpy.typing import ArrayLike
 
 from workbench.arrays import Array
 from workbench.fields import Declared, Number, checked
+from workbench.frames.members import override_findings
 from workbench.frames.runs import OPEN_LEDGER, resting
 from workbench.materials import Steel
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
 from workbench.models.hit_mass import light_impact_mass
-from workbench.references.fiber import override_findings
 from workbench.references.refine import (
     HALVED_STEPS,
     LEVELS,
