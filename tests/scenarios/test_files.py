@@ -142,7 +142,7 @@ def test_overridden_properties_win_over_the_section(good: Path) -> None:
 BAD = [
     ("column.colour=3", "column.colour", "unknown key"),
     ("column.lenght_below=0.8", "column.lenght_below", "did you mean length_below"),
-    ("striker.mass=-5", "striker.mass", "above 0"),
+    ("striker.mass=-5", "striker.mass", "from 0.001"),
     ("striker.mass='heavy'", "striker.mass", "must be a number"),
     ("column.axial_load=4e6", "column.axial_load", "squash load 3.13323e+06"),
     ("striker.restitution=1.5", "striker.restitution", "0 to 1"),

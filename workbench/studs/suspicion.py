@@ -160,8 +160,9 @@ def strength_findings(
     if given.between is not None:
         yield finding("stud-known-between", given.between, between=given.between)
     elif given.campaigns < FEW_CAMPAIGNS:
-        key = {1: "one-campaign", 2: "two-campaigns"}.get(given.campaigns, "few-campaigns")
-        yield finding(f"stud-{key}", campaigns=given.campaigns)
+        few = {1: "stud-one-campaign", 2: "stud-two-campaigns"}
+        key = few.get(given.campaigns, "stud-few-campaigns")
+        yield finding(key, campaigns=given.campaigns)
     if given.count < LEAST_FOR_DESIGN:
         yield finding("stud-no-design-factor", count=given.count, least=LEAST_FOR_DESIGN)
     if measurement_of(kept, model.load) is None:
