@@ -19,6 +19,7 @@ from workbench.scenarios import (
     Node,
     Pulse,
 )
+from workbench.scenarios.parts import GRAVITY
 
 
 def texts(scenario) -> str:
@@ -64,7 +65,7 @@ def test_dead_loads_without_mass_are_named_where_the_ground_moves() -> None:
 
     frame = portal()
     tops = [node.name for node in frame.nodes if node.support == "free"]
-    loaded = replace(frame, loads=tuple(Load(name, y=-98100.0) for name in tops))
+    loaded = replace(frame, loads=tuple(Load(name, y=-1e4 * GRAVITY) for name in tops))
     shaken = FrameGroundMotion("quake", loaded, (0.0, 3.0, -3.0, 0.0), 0.05, tops[0])
     model = RigidSuperelement()
     (findings,) = [f for f in model.domain(shaken) if f.subject == "mass"]
