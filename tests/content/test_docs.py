@@ -87,7 +87,10 @@ def commands_of(page: str) -> list[list[str]]:
 def blocks_of(page: str) -> list[str]:
     """Indented blocks of a page that are no commands: contents of files."""
     blocks = re.findall(r"((?:^(?:    .*)?\n)+)", page, re.MULTILINE)
-    return [textwrap.dedent(block).strip("\n") + "\n" for block in blocks]
+    files = (
+        re.split(r"^workbench ", textwrap.dedent(block), flags=re.MULTILINE)[0] for block in blocks
+    )
+    return [file.strip("\n") + "\n" for file in files]
 
 
 def prepare(folder: Path, page: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -97,7 +100,7 @@ def prepare(folder: Path, page: str, capsys: pytest.CaptureFixture[str]) -> None
         assert run(command.split()) == 0
         (folder / name).write_text(capsys.readouterr().out, encoding="utf-8")
     starts = {"Test No.": "doe1999.csv", 'title = "Push': "mapping.toml"}
-    starts |= {'kind = "impact-problem"': "ball.toml"}
+    starts |= {'kind = "impact-problem"': "ball.toml", "campaign,specimen,section": "tests.csv"}
     for block in blocks_of(page):
         for start, name in starts.items():
             if block.startswith(start) and not (folder / name).exists():
@@ -136,7 +139,7 @@ def test_commands_of_a_page_run(
             words = arguments.split()
         capsys.readouterr()
         assert run(words) == 0, (words, capsys.readouterr().err)
-        if target:
+        if target and not (tmp_path / target).exists():
             (tmp_path / target).write_text(capsys.readouterr().out, encoding="utf-8")
 
 

@@ -167,6 +167,13 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     if getattr(scenario, "acceleration", 0.0) or any(frame.gravity) or frame.line_loads.any():
         reason = "errors were measured without gravity and line loads"
         return TruthRatio(np.empty(0), reason=reason)
+    if isinstance(scenario, FrameImpact):
+        attached = scenario.frame.node(scenario.striker.node).mass
+    else:
+        attached = scenario.column.attached_mass
+    if attached > 0.0:
+        reason = "errors were measured without a mass attached at the hit point"
+        return TruthRatio(np.empty(0), reason=reason)
     table, steel = _table(scenario), steel_of(scenario)
     if steel is not None and steel.hardening_modulus is not None:
         return TruthRatio(np.empty(0), reason="errors were measured without hardening")
@@ -179,12 +186,6 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     except OutOfDomainError as error:
         return TruthRatio(np.empty(0), reason=f"not measured here: {error}")
     reason = table.unknown(values) or (rated.unknown(values) if rated else "")
-    if isinstance(scenario, FrameImpact):
-        attached = scenario.frame.node(scenario.striker.node).mass
-    else:
-        attached = scenario.column.attached_mass
-    if attached > 0.0:
-        reason = reason or "errors were measured without a mass attached at the hit point"
     if reason:
         return TruthRatio(np.empty(0), reason=reason)
     ratios = widened(table.truths(values), table.doubts(values))
