@@ -18,15 +18,15 @@ from time import perf_counter, process_time
 
 import opensees
 
-from workbench.datafiles import data_directory
-from workbench.materials import MILD_STEEL
+from workbench.base.datafiles import data_directory
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
+from workbench.models.references.fiber_corotational import FiberCorotational
 from workbench.models.single_dof import SingleDof
 from workbench.models.strain_rate import with_rate
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_corotational import FiberCorotational
 from workbench.scenarios import ColumnImpact, load_scenario
+from workbench.steel.materials import MILD_STEEL
 
 MODELS = {
     "energy estimate": (EnergyEstimate(), 50),

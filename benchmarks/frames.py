@@ -20,9 +20,9 @@ from time import perf_counter
 from column_models import cheapest
 from opensees import peak_of
 
-from workbench.datafiles import data_directory
+from workbench.base.datafiles import data_directory
+from workbench.models.references.fiber_reissner import FiberReissner
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_reissner import FiberReissner
 from workbench.responses import Response
 from workbench.scenarios import FrameImpact, load_scenario
 

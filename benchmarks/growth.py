@@ -20,8 +20,8 @@ import numpy as np
 from batches import ONE_BAR, drawn, frames
 
 from workbench.models.batch import simulate_many
+from workbench.models.registry import make_model
 from workbench.models.superelements import RigidSuperelement
-from workbench.registry import make_model
 from workbench.scenarios.varied import Varied
 
 TURNS = 3

@@ -16,12 +16,12 @@ from time import perf_counter
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from workbench.structures.assembly import PlanarAssembly, graded_lengths
-from workbench.structures.explicit import explicit_impact
-from workbench.structures.fibers import BeamSection
-from workbench.structures.fibers.beams import FiberBeams, ReissnerBeams, radau_rule
-from workbench.structures.fibers.section import LinearHardening
-from workbench.structures.impact import PointMass, impact
+from workbench.mechanics.structures.assembly import PlanarAssembly, graded_lengths
+from workbench.mechanics.structures.explicit import explicit_impact
+from workbench.mechanics.structures.fibers import BeamSection
+from workbench.mechanics.structures.fibers.beams import FiberBeams, ReissnerBeams, radau_rule
+from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.impact import PointMass, impact
 
 E, FY, SIDE, LAYERS, MASS, HARDENING = 210e9, 355e6, 0.2, 20, 314.0, 1e-6
 Y = ((np.arange(LAYERS) + 0.5) / LAYERS - 0.5) * SIDE

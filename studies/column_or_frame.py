@@ -8,14 +8,14 @@ import sys
 from dataclasses import replace
 from itertools import product
 
-from workbench.assessment import Gate
 from workbench.cli import main
 from workbench.models.column_of_frame import ColumnOfFrame
+from workbench.models.references.fiber_reissner import FiberReissner
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_reissner import FiberReissner
 from workbench.scenarios import Frame, FrameImpact, FrameStriker, Load, Node, regular_frame
-from workbench.sections import find, square
+from workbench.steel.sections import find, square
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 GRAVITY = 9.81  # m/s2
 DEAD_LOAD = 4e5  # N on an inner joint of each floor

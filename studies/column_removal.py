@@ -11,14 +11,14 @@ import sys
 
 import numpy as np
 
-from workbench.assessment import Gate
 from workbench.cli import main
 from workbench.models.hinged_frames import PlasticHinge
+from workbench.models.references.fiber_reissner import FiberReissner
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_reissner import FiberReissner
 from workbench.scenarios import Frame, FramePulse, FrameStatic, Load, Member, Node, Pulse
-from workbench.sections import find
+from workbench.steel.sections import find
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 SPAN, HEIGHT, STOREYS, GRAVITY = 6.0, 3.5, 2, 9.81
 COLUMN, BEAM = find("HEB 200"), find("IPE 300")

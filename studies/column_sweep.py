@@ -8,17 +8,17 @@ import sys
 from dataclasses import replace
 from itertools import product
 
-from workbench.assessment import Gate
 from workbench.cli import main
 from workbench.models.domain import shear_demand
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.single_dof import SingleDof
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
 from workbench.scenarios import Column, ColumnImpact, Striker
-from workbench.sections import find, square
+from workbench.steel.sections import find, square
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 LENGTH = 4.0  # m
 SECTIONS = {"IPE 300": find("IPE 300"), "HEB 220": find("HEB 220"), "square 150": square(0.15)}

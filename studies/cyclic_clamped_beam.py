@@ -8,13 +8,13 @@ Amplitudes reach a tenth of the span: at a fortieth axial forces stay too small 
 
 import sys
 
-from workbench.assessment import Gate
 from workbench.cli import main
+from workbench.models.references.fiber_reissner import FiberReissner
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_reissner import FiberReissner
 from workbench.scenarios import Frame, FrameStatic, Load, Member, Node, cyclic_path
-from workbench.sections import find
+from workbench.steel.sections import find
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 SECTION = find("HEB 220")
 HALF = 2.0  # m

@@ -12,8 +12,8 @@ from dataclasses import replace
 from workbench.cli import main
 from workbench.models.base import Model
 from workbench.models.fiber_frames import ForceBasedBeam
-from workbench.references.fiber_corotational import FiberCorotational
-from workbench.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_reissner import FiberReissner
 from workbench.scenarios import (
     Frame,
     FrameImpact,
@@ -26,7 +26,7 @@ from workbench.scenarios import (
     cyclic_path,
     regular_frame,
 )
-from workbench.sections import find
+from workbench.steel.sections import find
 from workbench.study import Case, Figure, Study
 
 COLUMN, BEAM = find("HEB 220"), find("IPE 300")

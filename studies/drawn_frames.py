@@ -17,16 +17,16 @@ from math import exp, log, sqrt
 import numpy as np
 
 from workbench.cli import main
-from workbench.frames.collapse import collapse_factor
-from workbench.frames.column_estimate import column_like
-from workbench.frames.elastic import dead_load_state
-from workbench.materials import Steel
+from workbench.mechanics.frames.collapse import collapse_factor
+from workbench.mechanics.frames.column_estimate import column_like
+from workbench.mechanics.frames.elastic import dead_load_state
 from workbench.models.column_of_frame import ColumnOfFrame
 from workbench.models.domain import shear_demand
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.superelements import FlexibleSuperelement
-from workbench.references.fiber_shear import FiberShear
 from workbench.scenarios import Frame, FrameImpact, FrameStriker, Load, regular_frame
-from workbench.sections import find, rectangular_tube
+from workbench.steel.materials import Steel
+from workbench.steel.sections import find, rectangular_tube
 from workbench.study import Case, Figure, Study
 
 SEED, LIGHT_SEED, FRAMES, LIGHT, QUICK = 29, 58, 100, 90, 6

@@ -14,16 +14,16 @@ from math import exp, log, pi, sqrt
 import numpy as np
 
 from workbench.cli import main
-from workbench.materials import Steel
-from workbench.models.practice.biggs import Biggs
-from workbench.models.practice.catenary import Izzuddin, TrilinearCatenary, YinWang
-from workbench.models.practice.charts import pressure_impulse
+from workbench.extras.practice.biggs import Biggs
+from workbench.extras.practice.catenary import Izzuddin, TrilinearCatenary, YinWang
+from workbench.extras.practice.charts import pressure_impulse
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.single_dof import SingleDof
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
 from workbench.scenarios import Column, MemberPulse, Pulse
-from workbench.sections import find, rectangular_tube, square
+from workbench.steel.materials import Steel
+from workbench.steel.sections import find, rectangular_tube, square
 from workbench.study import Case, Figure, Study
 
 SEED, MEMBERS, QUICK = 27, 440, 12

@@ -16,14 +16,14 @@ from typing import ClassVar
 import numpy as np
 from which_model import stratified
 
-from workbench.assessment.variations import rate_law
 from workbench.cli import main
-from workbench.evidence.error_table import FACTOR_BEAM
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.strain_rate import rate_factor, with_rate
 from workbench.models.superelements import FlexibleSuperelement
-from workbench.references.fiber_shear import FiberShear
 from workbench.scenarios import ColumnImpact
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment.variations import rate_law
+from workbench.study.error_model.error_table import FACTOR_BEAM
 
 SEED, QUOTAS, QUICK = 31, np.full((3, 3), 20), 6
 

@@ -9,11 +9,11 @@ the band.
 import sys
 from dataclasses import replace
 
-from workbench.assessment import Gate
 from workbench.cli import main
+from workbench.extras.uncertainty.exceedance import MEDIAN, Exceedance
 from workbench.scenarios import UncertainImpact
 from workbench.study import Case, Figure, Study
-from workbench.uncertainty.exceedance import MEDIAN, Exceedance
+from workbench.study.assessment import Gate
 
 COLUMN = """
 kind = "column-impact"

@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.assessment import Gate
 from workbench.cli import main
 from workbench.models.fiber_frames import (
     BoundingSurface,
@@ -23,10 +22,10 @@ from workbench.models.hinged_frames import (
     QuasiPlasticHinge,
     RefinedPlasticHinge,
 )
+from workbench.models.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_corotational import FiberCorotational
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
 from workbench.scenarios import (
     Frame,
     FrameGroundMotion,
@@ -39,8 +38,9 @@ from workbench.scenarios import (
     cyclic_path,
     regular_frame,
 )
-from workbench.sections import find, square
+from workbench.steel.sections import find, square
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 COLUMN, BEAM = find("HEB 220"), find("IPE 300")
 PORTAL, STOREYS, THESIS = "portal", "two storeys", "thesis frame"

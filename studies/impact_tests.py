@@ -8,17 +8,17 @@ model is judged by them.
 
 import sys
 
-from workbench.assessment import Gate
 from workbench.cli import main
-from workbench.impact_tests import impact_tests
-from workbench.impact_tests.measured import Measured
+from workbench.extras.intake.impact_tests import impact_tests
+from workbench.extras.intake.impact_tests.measured import Measured
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.single_dof import SingleDof
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 everything = impact_tests()
 tests = [test for test in everything if not test.synthetic] or list(everything)

@@ -2,13 +2,13 @@
 
 import sys
 
-from workbench.assessment import Gate
 from workbench.cli import main
-from workbench.impact.schemes import CLASSICAL, ELASTIC, LAW, SCHEMES
-from workbench.models.integrators import ImpactExact, ImpactIntegrator, problem_of
+from workbench.extras.laboratory.models import ImpactExact, ImpactIntegrator, problem_of
+from workbench.extras.laboratory.schemes import CLASSICAL, ELASTIC, LAW, SCHEMES
 from workbench.scenarios import ImpactProblem
 from workbench.scenarios.laboratory import PROBLEMS
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 EXACT = "exact"
 QUICK = ("ball", "two-masses", "cradle", "oscillator", "grazing")

@@ -6,14 +6,14 @@ beam of 8 m and dead loads on both column heads.
 
 import sys
 
-from workbench.assessment import Gate
 from workbench.cli import main
-from workbench.materials import Steel
+from workbench.models.references.fiber_reissner import FiberReissner
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_reissner import FiberReissner
 from workbench.scenarios import Frame, FrameStatic, Joint, Load, Member, Node
-from workbench.sections import find
+from workbench.steel.materials import Steel
+from workbench.steel.sections import find
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 HEIGHT, SPAN, PUSH = 4.0, 8.0, 0.3  # m
 COLUMN, BEAM, STEEL = find("HEB 220"), find("IPE 300"), Steel()

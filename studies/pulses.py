@@ -17,18 +17,18 @@ from itertools import product
 from math import pi, sqrt
 from typing import Any
 
-from workbench.assessment import Gate
 from workbench.cli import main
-from workbench.models.practice.biggs import Biggs
-from workbench.models.practice.catenary import Izzuddin, TrilinearCatenary, YinWang
-from workbench.models.practice.charts import pressure_impulse
+from workbench.extras.practice.biggs import Biggs
+from workbench.extras.practice.catenary import Izzuddin, TrilinearCatenary, YinWang
+from workbench.extras.practice.charts import pressure_impulse
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.single_dof import SingleDof
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
 from workbench.scenarios import Column, MemberPulse, Pulse
-from workbench.sections import find
+from workbench.steel.sections import find
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 REFERENCE, BEAM = "web-yielding beam", "fiber beam"
 FINE: dict[str, Any] = {"smallest_element": 0.0025, "refinement": 1, "levels": 4}

@@ -19,25 +19,25 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.stats import qmc
 
-from workbench.assessment import Gate
+from workbench.base.fields import Choice, checked
 from workbench.cli import main
-from workbench.fields import Choice, checked
-from workbench.hinges.rate import overstress_shape, rotation_rate
-from workbench.materials import GRADES, MILD_STEEL, CowperSymonds, Steel
 from workbench.models.base import Answering
 from workbench.models.domain import euler_load, shear_demand
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.solid import SolidPlaneStress
 from workbench.models.single_dof import SingleDof
 from workbench.models.strain_rate import stronger
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
-from workbench.references.solid import SolidPlaneStress
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact, Striker
-from workbench.sections import find
+from workbench.steel.hinges.rate import overstress_shape, rotation_rate
+from workbench.steel.materials import GRADES, MILD_STEEL, CowperSymonds, Steel
+from workbench.steel.sections import find
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 COLUMNS, SEED = 120, 31
 SECTIONS = (

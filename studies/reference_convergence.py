@@ -6,17 +6,17 @@ independent beam, and models in which webs yield in shear, each with coarser mes
 
 import sys
 
-from workbench.assessment import Gate
+from workbench.base.datafiles import data_directory
 from workbench.cli import main
-from workbench.datafiles import data_directory
-from workbench.evidence.published import Published
 from workbench.models.four_dof import FourDof
-from workbench.references.fiber_corotational import FiberCorotational
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
-from workbench.references.solid import SolidPlaneStress
+from workbench.models.published import Published
+from workbench.models.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.solid import SolidPlaneStress
 from workbench.scenarios import ColumnPushover, load_scenario
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 published = data_directory() / "published"
 eccentric = load_scenario(published / "heng2017_impact_column.toml")

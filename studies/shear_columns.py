@@ -19,21 +19,21 @@ from math import exp, log
 import numpy as np
 from scipy.stats import qmc
 
-from workbench.assessment import Gate
-from workbench.assessment.variations import rate_law
 from workbench.cli import main
 from workbench.models.domain import euler_load, shear_demand
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.solid import SolidPlaneStress
 from workbench.models.single_dof import SingleDof
 from workbench.models.strain_rate import with_rate
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
-from workbench.references.solid import SolidPlaneStress
 from workbench.scenarios import Column, ColumnImpact, Striker
-from workbench.sections import find, rectangular_tube
+from workbench.steel.sections import find, rectangular_tube
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
+from workbench.study.assessment.variations import rate_law
 
 SECTIONS = (
     *(find(name) for name in ("HEB 160", "HEB 220", "HEB 300", "HEA 240")),

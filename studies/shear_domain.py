@@ -6,15 +6,15 @@ shorter segment: shear-yielding beam and plane-stress solid over the shear-free 
 
 import sys
 
-from workbench.assessment import Gate
 from workbench.cli import main
 from workbench.models.four_dof import FourDofShear
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
-from workbench.references.solid import SolidPlaneStress
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.solid import SolidPlaneStress
 from workbench.scenarios import Column, ColumnPushover
-from workbench.sections import Section, find, square
+from workbench.steel.sections import Section, find, square
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 LENGTH = 6.0  # m
 PUSH = 0.05  # of the shorter segment: the same rotation everywhere, the mechanism has formed

@@ -8,13 +8,13 @@ the spring alone: the SDOF column with restitution 1 is the limit of the rigid s
 import sys
 from itertools import product
 
-from workbench.assessment import Gate
 from workbench.cli import main
 from workbench.models.single_dof import SingleDof
 from workbench.models.soft_impact import SoftImpact
 from workbench.scenarios import Column, ColumnImpact, Striker
-from workbench.sections import find
+from workbench.steel.sections import find
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 MASSES = (500.0, 1000.0, 1500.0, 2500.0, 4500.0)  # kg
 VELOCITIES = (5.0, 10.0, 15.0, 20.0)  # m/s

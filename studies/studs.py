@@ -8,7 +8,6 @@ files) in TABLES and CURVES, and your campaigns in the cases.
 
 import sys
 
-from workbench.assessment import Gate
 from workbench.cli import main
 from workbench.scenarios import StudTests
 from workbench.studs.answers import (
@@ -22,6 +21,7 @@ from workbench.studs.answers import (
 )
 from workbench.studs.tables import added, campaigns_of, shipped
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 TABLES = ("stud-push-out",)
 CURVES = ("stud-load-slip",)

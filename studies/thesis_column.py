@@ -9,22 +9,22 @@ and ``workbench report thesis_column``, or as a script.
 
 import sys
 
-from workbench.assessment import Gate
+from workbench.base.datafiles import data_directory
 from workbench.cli import main
-from workbench.datafiles import data_directory
-from workbench.evidence.published import Published
-from workbench.materials import GRADES
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
+from workbench.models.published import Published
+from workbench.models.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.solid import SolidPlaneStress
 from workbench.models.single_dof import SingleDof
 from workbench.models.strain_rate import with_rate
 from workbench.models.superelements import FlexibleSuperelement
-from workbench.references.fiber_corotational import FiberCorotational
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
-from workbench.references.solid import SolidPlaneStress
 from workbench.scenarios import ColumnPushover, load_scenario
+from workbench.steel.materials import GRADES
 from workbench.study import Budget, Case, Figure, Study
+from workbench.study.assessment import Gate
 
 published = data_directory() / "published"
 eccentric = load_scenario(published / "heng2017_impact_column.toml")

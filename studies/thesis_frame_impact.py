@@ -8,14 +8,14 @@ ones, and against the reading of the published curve.
 import sys
 from dataclasses import replace
 
-from workbench.assessment import Gate
+from workbench.base.datafiles import data_directory
 from workbench.cli import main
-from workbench.datafiles import data_directory
-from workbench.evidence.published import Published
+from workbench.models.published import Published
+from workbench.models.references.fiber_reissner import FiberReissner
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_reissner import FiberReissner
 from workbench.scenarios import load_scenario
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 impact = load_scenario(data_directory() / "published" / "heng2017_frame.toml")
 impact = replace(impact, duration=0.06)

@@ -10,9 +10,7 @@ import sys
 from dataclasses import replace
 from math import hypot
 
-from workbench.assessment import Gate
 from workbench.cli import main
-from workbench.materials import Steel
 from workbench.models.fiber_frames import (
     BoundingSurface,
     FiberHinge,
@@ -25,13 +23,15 @@ from workbench.models.hinged_frames import (
     QuasiPlasticHinge,
     RefinedPlasticHinge,
 )
+from workbench.models.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_corotational import FiberCorotational
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
 from workbench.scenarios import Frame, FrameStatic, Load, Member, Node, regular_frame
-from workbench.sections import find
+from workbench.steel.materials import Steel
+from workbench.steel.sections import find
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 STEEL = Steel(elastic_modulus=205e9, yield_stress=235e6)
 PORTAL, STOREYS = "portal", "six storeys"

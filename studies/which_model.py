@@ -15,27 +15,27 @@ from math import exp, log
 import numpy as np
 from scipy.stats import qmc
 
-from workbench.assessment.variations import rate_law
 from workbench.cli import main
-from workbench.evidence.descriptors import DEMAND as SHEAR
-from workbench.evidence.descriptors import STRIKER, features
-from workbench.materials import Steel
+from workbench.extras.practice.biggs import Biggs
+from workbench.extras.practice.catenary import Izzuddin, TrilinearCatenary, YinWang
+from workbench.extras.practice.hand_estimate import HandEstimate
+from workbench.extras.practice.hard_impact import HardImpact
 from workbench.models.domain import euler_load, shear_demand
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.models.practice.biggs import Biggs
-from workbench.models.practice.catenary import Izzuddin, TrilinearCatenary, YinWang
-from workbench.models.practice.hand_estimate import HandEstimate
-from workbench.models.practice.hard_impact import HardImpact
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.solid import SolidPlaneStress
 from workbench.models.single_dof import SingleDof
 from workbench.models.strain_rate import with_rate
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
-from workbench.references.solid import SolidPlaneStress
 from workbench.scenarios import Column, ColumnImpact, Striker
-from workbench.sections import find, rectangular_tube, square
+from workbench.steel.materials import Steel
+from workbench.steel.sections import find, rectangular_tube, square
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment.variations import rate_law
+from workbench.study.error_model.descriptors import DEMAND as SHEAR
+from workbench.study.error_model.descriptors import STRIKER, features
 
 FAMILIES = {
     "IPE": ("IPE 200", "IPE 270", "IPE 330", "IPE 400", "IPE 500"),

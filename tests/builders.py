@@ -15,7 +15,7 @@ from hypothesis import settings
 from workbench.models.base import Model
 from workbench.responses import Outcome, Response, outcome_of
 from workbench.scenarios import Frame, Joint, Load, regular_frame
-from workbench.sections import Section, square
+from workbench.steel.sections import Section, square
 
 SQUARE = square(0.2)
 MOST_WORDS = 250  # in sight on a first page

@@ -12,10 +12,10 @@ from hypothesis import HealthCheck, settings
 from threadpoolctl import threadpool_limits
 from toy_models import Spring
 
-from workbench.datafiles import data_directory
+from workbench.base.datafiles import data_directory
 from workbench.models import frame_model
 from workbench.scenarios import Column, ColumnImpact, Striker, load_scenario
-from workbench.sections import find
+from workbench.steel.sections import find
 from workbench.study import Case, Study
 from workbench.study.executors import THREAD_VARIABLES
 

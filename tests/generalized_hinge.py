@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.hinges import YieldSurface, kernels
+from workbench.steel.hinges import YieldSurface, kernels
 
 BRANCHES = ("elastic", "curve", "corner", "apex", "smooth-apex", "axis")
 

@@ -15,13 +15,13 @@ import pytest
 from numba.core.dispatcher import Dispatcher
 
 import workbench
-from workbench.compiled import KernelCache, cache_folder, sources
+from workbench.base.compiled import KernelCache, cache_folder, sources
 
 PACKAGE = Path(workbench.__file__).parent
 KEPT = sorted(p for p in PACKAGE.rglob("*.py") if "cache=True" in p.read_text("utf-8"))
 LENGTH = '''"""A kernel that calls the kernel of another file, which reads a constant of a third."""
 
-from workbench.compiled import njit
+from workbench.base.compiled import njit
 from workbench.{folder}_area import area
 
 
@@ -30,7 +30,7 @@ def volume(side):
     """Volume."""
     return side * area(side)
 '''
-AREA = """from workbench.compiled import njit
+AREA = """from workbench.base.compiled import njit
 from workbench.{folder}_factor import FACTOR
 
 
@@ -85,7 +85,7 @@ def test_an_edit_two_files_away_is_compiled_anew_and_old_code_goes(tmp_path: Pat
 
 def test_a_type_that_moves_to_another_file_is_compiled_for_anew(tmp_path: Path) -> None:
     package, cache = package_with(tmp_path / "tree", 1.0), tmp_path / "cache"
-    kernel = "from workbench.compiled import njit\n\n\n@njit(cache=True)\ndef side(cube):\n"
+    kernel = "from workbench.base.compiled import njit\n\n\n@njit(cache=True)\ndef side(cube):\n"
     (package / "workbench" / "cube_side.py").write_text(f"{kernel}    return cube.side\n")
     shape = "from typing import NamedTuple\n\n\nclass Cube(NamedTuple):\n    side: float\n"
     env = {**os.environ, "PYTHONPATH": str(package), "NUMBA_CACHE_DIR": str(cache)}
@@ -122,7 +122,7 @@ def test_a_folder_that_cannot_be_written_leads_to_a_temporary_one(
     blocked = tmp_path / "file"
     blocked.write_text("")
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(blocked / "cache"))
-    monkeypatch.setattr("workbench.compiled.gettempdir", lambda: str(tmp_path / "temporary"))
+    monkeypatch.setattr("workbench.base.compiled.gettempdir", lambda: str(tmp_path / "temporary"))
     cache_folder.cache_clear()
     try:
         assert tmp_path / "temporary" in cache_folder().parents

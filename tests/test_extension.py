@@ -138,7 +138,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 from workbench.cli import run
-from workbench.registry import make_model
+from workbench.models.registry import make_model
 from workbench.report.build import build_report
 from workbench.report.stored import Stored
 from workbench.scenarios import load_scenario
@@ -186,7 +186,7 @@ def swap(path: Path, old: str, new: str) -> None:
 
 
 def add_metric(root: Path) -> None:
-    append(root / "workbench/assessment/metric.py", METRIC)
+    append(root / "workbench/study/assessment/metric.py", METRIC)
 
 
 def add_figure(root: Path) -> None:

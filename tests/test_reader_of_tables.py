@@ -12,9 +12,9 @@ import pytest
 from openpyxl import Workbook
 
 import workbench
-from workbench.errors import InputError
-from workbench.fields import Number
-from workbench.tables import Cells, Reading, cells_of, read_points
+from workbench.base.errors import InputError
+from workbench.base.fields import Number
+from workbench.base.tables import Cells, Reading, cells_of, read_points
 
 NAMES = ("specimen", "d", "load", "note")
 TABLE = [["specimen", "d", "load", "note"], ["P1", 19, 104.5, "ok"], ["P2", 22, 0.25, "a b"]]

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from workbench.content.bibliography import bibliography
-from workbench.evidence.published import Published
-from workbench.impact.schemes import SCHEMES
-from workbench.impact_tests import impact_tests
+from workbench.extras.intake.impact_tests import impact_tests
+from workbench.extras.laboratory.schemes import SCHEMES
 from workbench.models.base import Model
-from workbench.registry import make_model, model_kind, model_names
+from workbench.models.published import Published
+from workbench.models.registry import make_model, model_kind, model_names
+from workbench.report.page.bibliography import bibliography
 from workbench.scenarios import (
     ColumnPushover,
     ImpactProblem,
@@ -100,7 +100,7 @@ def test_the_page_of_the_thesis_names_every_model_and_integrator(name: str) -> N
 
 
 def test_published_series_are_all_readable() -> None:
-    from workbench.evidence import datasets, load
+    from workbench.study.error_model import datasets, load
 
     seen = 0
     for entry in datasets():

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from workbench import registry
-from workbench.errors import InputError
+from workbench.base.errors import InputError
+from workbench.models import registry
 
 
 @pytest.fixture
@@ -19,8 +19,8 @@ def plugins(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         ("missing-module", "no_such_module:Model"),
         ("leaves-the-house", "toy_plugin_that_exits:Model"),
         ("missing-class", "workbench.models.four_dof:Nothing"),
-        ("no-dataclass", "workbench.errors:InputError"),
-        ("no-model", "workbench.materials:Steel"),
+        ("no-dataclass", "workbench.base.errors:InputError"),
+        ("no-model", "workbench.steel.materials:Steel"),
         ("other-name", "workbench.models.four_dof:FourDof"),
         ("twice", "workbench.models.four_dof:FourDof"),
         ("twice", "workbench.models.base:Model"),
@@ -45,8 +45,8 @@ def test_broken_plugins_are_reported_not_fatal() -> None:
         "missing-module": "ModuleNotFoundError on import",
         "leaves-the-house": "SystemExit on import",
         "missing-class": "AttributeError on import",
-        "no-dataclass": "workbench.errors",
-        "no-model": "workbench.materials",
+        "no-dataclass": "workbench.base.errors",
+        "no-model": "workbench.steel.materials",
         "other-name": "workbench.models.four_dof",
         "twice": "several distributions provide it",
     }

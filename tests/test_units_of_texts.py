@@ -6,12 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.errors import InputError
-from workbench.fields import Number
-from workbench.materials import GRADES, Steel
+from workbench.base.errors import InputError
+from workbench.base.fields import Number
+from workbench.base.units import in_si
 from workbench.scenarios import Column, load_scenario, scenario_hash
-from workbench.sections import SECTION, circular_tube, find, rectangular_tube, square_tube
-from workbench.units import in_si
+from workbench.steel.materials import GRADES, Steel
+from workbench.steel.sections import SECTION, circular_tube, find, rectangular_tube, square_tube
 
 FILE = "data/published/heng2017_impact_column.toml"
 

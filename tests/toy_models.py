@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from workbench.errors import Collapse, CollapseError, InputError, Mechanism, SolverError
+from workbench.base.errors import Collapse, CollapseError, InputError, Mechanism, SolverError
 from workbench.models.base import respond
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario

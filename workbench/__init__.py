@@ -9,12 +9,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from workbench.desk.answers import *  # noqa: F403
-    from workbench.desk.sweeps import *  # noqa: F403
-    from workbench.errors import *  # noqa: F403
-    from workbench.materials import *  # noqa: F403
-    from workbench.registry import *  # noqa: F403
+    from workbench.api.answers import *  # noqa: F403
+    from workbench.api.sweeps import *  # noqa: F403
+    from workbench.base.errors import *  # noqa: F403
+    from workbench.models.registry import *  # noqa: F403
     from workbench.scenarios import *  # noqa: F403
+    from workbench.steel.materials import *  # noqa: F403
     from workbench.study import *  # noqa: F403
 
 __version__ = "0.1.0"

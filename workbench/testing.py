@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from workbench.errors import InputError, WorkbenchError
+from workbench.base.codec import Input
+from workbench.base.errors import InputError, WorkbenchError
 from workbench.models.base import Model, options_of, with_options
 from workbench.responses import Finding, Outcome, Response, check_response, findings_of, outcome_of
 from workbench.responses.variables import ENERGIES, TIMES
 from workbench.scenarios import Scenario, scenario_hash
-from workbench.scenarios.codec import Input
 from workbench.scenarios.varied import NO_VALUES, with_other_inputs
 
 ENERGY_TOLERANCE = 1e-6  # of the input energy

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from workbench.assessment import bias_and_scatter
-from workbench.errors import InputError
+from workbench.base.errors import InputError
+from workbench.study.assessment import bias_and_scatter
 
 
 def test_a_constant_ratio_is_the_bias():

@@ -9,7 +9,13 @@ from math import exp, expm1, inf, sqrt
 import pytest
 from toy_models import Spring, Troubled
 
-from workbench.assessment.budget import (
+from workbench.base.errors import InputError
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.strain_rate import with_rate
+from workbench.responses import build_response
+from workbench.scenarios import ColumnImpact, ColumnPushover
+from workbench.steel.materials import GRADES, CowperSymonds
+from workbench.study.assessment.budget import (
     MODEL_FORM,
     NUMERICAL,
     PEAK,
@@ -22,19 +28,13 @@ from workbench.assessment.budget import (
     together,
     varied_term,
 )
-from workbench.assessment.variations import (
+from workbench.study.assessment.variations import (
     RATED,
     SPREADS,
     STATIC,
     Budget,
     rate_law,
 )
-from workbench.errors import InputError
-from workbench.materials import GRADES, CowperSymonds
-from workbench.models.strain_rate import with_rate
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.responses import build_response
-from workbench.scenarios import ColumnImpact, ColumnPushover
 
 
 def test_shifts_add_and_widths_combine_as_squares() -> None:

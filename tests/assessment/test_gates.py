@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from workbench.assessment import Gate, Verdict, judge
-from workbench.assessment.gates import CaseVerdict, GateVerdict
+from workbench.study.assessment import Gate, Verdict, judge
+from workbench.study.assessment.gates import CaseVerdict, GateVerdict
 
 GATE = Gate("four-dof", "reference", "impulse", "relative_error", 0.05, "why", "heng2017")
 

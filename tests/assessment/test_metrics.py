@@ -8,10 +8,10 @@ from builders import examples
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.assessment import METRICS, Metric, Scope, Swap
-from workbench.assessment.curves import absolute_area, product_integral
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.responses import Response, build_response
+from workbench.study.assessment import METRICS, Metric, Scope, Swap
+from workbench.study.assessment.curves import absolute_area, product_integral
 
 QUANTITY = {Scope.SCALAR: "peak_displacement", Scope.HISTORY: "velocity", Scope.CURVE: "force"}
 COMPARING = {name: metric for name, metric in METRICS.items() if metric.scope is not Scope.RUN}

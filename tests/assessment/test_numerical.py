@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.assessment import METRICS, ladder
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.responses.convergence import best_law
 from workbench.responses.uncertainty import (
     FIBERS,
@@ -20,6 +19,7 @@ from workbench.responses.uncertainty import (
     fiber_direction,
     step_direction,
 )
+from workbench.study.assessment import METRICS, ladder
 
 
 @given(

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from workbench.cli import run
-from workbench.registry import make_model
+from workbench.models.registry import make_model
 from workbench.responses import Response
 from workbench.scenarios import Scenario
 
@@ -39,14 +39,16 @@ def test_everything_wrong_comes_with_a_remedy(
     blocked = tmp_path / "file"
     blocked.write_text("")
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(blocked / "cache"))
-    monkeypatch.setattr("workbench.evidence.check", lambda: ["dataset x: file y is missing"])
+    monkeypatch.setattr(
+        "workbench.study.error_model.check", lambda: ["dataset x: file y is missing"]
+    )
     monkeypatch.setattr("shutil.disk_usage", lambda path: SimpleNamespace(free=1e6))
     monkeypatch.setattr("importlib.metadata.version", lambda name: "0.0.1")
 
     def wrong(name: str) -> None:
         raise RuntimeError("a kernel is gone")
 
-    monkeypatch.setattr("workbench.registry.make_model", wrong)
+    monkeypatch.setattr("workbench.models.registry.make_model", wrong)
     assert run(["doctor", "--json", "--store", str(tmp_path)]) == 1
     checks = json.loads(capsys.readouterr().out)["checks"]
     by_name = {check["name"]: check for check in checks}
@@ -72,7 +74,8 @@ def test_physics_that_drifts_is_caught(
         return response
 
     monkeypatch.setattr(
-        "workbench.registry.make_model", lambda name, *options: SimpleNamespace(simulate=simulate)
+        "workbench.models.registry.make_model",
+        lambda name, *options: SimpleNamespace(simulate=simulate),
     )
     result = diagnosed(capsys, tmp_path)
     assert result["physics single-dof"] == result["physics four-dof"] == "fail"
@@ -82,7 +85,7 @@ def test_a_reference_that_drifts_is_caught(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     soft = make_model("fiber-corotational", {"layers": 4, "levels": 1})
-    monkeypatch.setattr("workbench.registry.make_model", lambda name, *options: soft)
+    monkeypatch.setattr("workbench.models.registry.make_model", lambda name, *options: soft)
     result = diagnosed(capsys, tmp_path)
     assert result["physics fiber-reissner"] == result["physics fiber-corotational"] == "fail"
 

@@ -345,7 +345,7 @@ calls = (
     ["load-slip", "--law", "bilinear"],
     ["residual", sys.argv[1], "--quantity", "strength"],
 )
-floors = ("workbench.frames", "workbench.structures", "workbench.hinges")
+floors = ("workbench.mechanics.frames", "workbench.mechanics.structures", "workbench.steel.hinges")
 for call in calls:
     status = run(["fit", *call])
     print(status, [name for name in sys.modules if name.startswith(floors)], file=sys.stderr)

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from workbench.cli import run
-from workbench.evidence.advice import choose
 from workbench.scenarios import ColumnImpact, load_scenario, to_toml
+from workbench.study.error_model.advice import choose
 
 
 @pytest.fixture

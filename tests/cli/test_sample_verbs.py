@@ -12,7 +12,7 @@ import xarray as xr
 from builders import UNCERTAIN
 
 from workbench.cli import run
-from workbench.registry import make_model
+from workbench.models.registry import make_model
 from workbench.scenarios import load_scenario
 from workbench.study.store import locked
 
@@ -55,7 +55,7 @@ def test_without_a_file_the_quantiles_are_all(uncertain_file, tmp_path, monkeypa
 SMALL_CHUNKS = """
 import sys
 from workbench.cli import run
-from workbench.uncertainty import chunks
+from workbench.extras.uncertainty import chunks
 chunks.STACKED = chunks.ALONE = 100
 sys.exit(run(sys.argv[1:]))
 """
@@ -77,7 +77,7 @@ def test_a_killed_run_goes_on_where_it_was(uncertain_file, tmp_path, monkeypatch
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "of 60 chunks are there already" in done.stderr
-    monkeypatch.setattr("workbench.uncertainty.chunks.STACKED", 100)
+    monkeypatch.setattr("workbench.extras.uncertainty.chunks.STACKED", 100)
     assert run([*asked, "--out", str(whole)]) == 0
     assert out.read_bytes() == whole.read_bytes()
     assert not list(tmp_path.glob(".*chunks*"))

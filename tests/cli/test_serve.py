@@ -14,8 +14,8 @@ import pytest
 from waitress import wasyncore
 
 from workbench.cli import run
-from workbench.cli.serve import Server, Service
-from workbench.registry import make_model
+from workbench.extras.uncertainty.verbs.serve import Server, Service
+from workbench.models.registry import make_model
 from workbench.scenarios import Column, ColumnImpact, Striker, to_toml
 
 SCENARIO = ColumnImpact(
@@ -151,7 +151,7 @@ def test_slow_and_silent_clients_hold_no_one_and_are_left(served, monkeypatch):
         begun = time.monotonic()
         assert ask(served, "GET", "/Info")[0] == 200
         assert time.monotonic() - begun < 5.0
-        monkeypatch.setattr("workbench.cli.serve.PATIENCE", 0.5)
+        monkeypatch.setattr("workbench.extras.uncertainty.verbs.serve.PATIENCE", 0.5)
         served.adj.channel_timeout = 0.5
         for client in (slow, silent):
             assert client.recv(100) == b""

@@ -8,11 +8,12 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.assessment import METRICS
-from workbench.content.bibliography import bibliography, reference_of
-from workbench.content.documents import render_html, render_markdown, render_pdf
-from workbench.content.terminal import render_text
-from workbench.content.tree import (
+from workbench.base.catalogue import datasets
+from workbench.models.registry import offers
+from workbench.report.page.bibliography import bibliography, reference_of
+from workbench.report.page.documents import render_html, render_markdown, render_pdf
+from workbench.report.page.terminal import render_text
+from workbench.report.page.tree import (
     ELSEWHERE,
     Column,
     Document,
@@ -23,8 +24,7 @@ from workbench.content.tree import (
     Table,
     runs_of,
 )
-from workbench.evidence.catalogue import datasets
-from workbench.registry import offers
+from workbench.study.assessment import METRICS
 
 
 def test_runs():

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from workbench.content.formatting import (
+from workbench.report.page.formatting import (
     axis_label,
     count,
     duration,

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from jinja2 import UndefinedError
 
-from workbench.content.page import Page
-from workbench.content.tree import Bullets, Callout, Paragraph, Section, Table
+from workbench.report.page.page import Page
+from workbench.report.page.tree import Bullets, Callout, Paragraph, Section, Table
 
 TEMPLATE = """
 {% macro part(title, name, items, rows) %}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from workbench.content.documents import render_markdown
-from workbench.content.terminal import render_text
-from workbench.content.tree import (
+from workbench.report.page.documents import render_markdown
+from workbench.report.page.terminal import render_text
+from workbench.report.page.tree import (
     ABSENT,
     Bullets,
     Callout,

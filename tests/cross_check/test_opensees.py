@@ -9,12 +9,12 @@ import opensees_columns as opensees
 import pytest
 from threadpoolctl import threadpool_limits
 
-from workbench.frames.structure import FrameStructure
-from workbench.references.fiber_corotational import FiberCorotational
+from workbench.mechanics.frames.structure import FrameStructure
+from workbench.mechanics.structures.impact import PointMass, impact
+from workbench.models.references.fiber_corotational import FiberCorotational
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.sections import Section
-from workbench.sections.shapes import Rectangle
-from workbench.structures.impact import PointMass, impact
+from workbench.steel.sections import Section
+from workbench.steel.sections.shapes import Rectangle
 
 SIZE, HARDENING, TIME_STEP = 0.1, 1e-4, 5e-5
 MODEL = FiberCorotational(

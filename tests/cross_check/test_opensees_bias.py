@@ -11,10 +11,10 @@ import opensees_columns as opensees
 import pytest
 from threadpoolctl import threadpool_limits
 
-from workbench.references.fiber_reissner import FiberReissner
+from workbench.mechanics.structures.fibers import BeamSection
+from workbench.models.references.fiber_reissner import FiberReissner
 from workbench.scenarios import Column, ColumnImpact, Frame, Member, Striker
-from workbench.sections import find
-from workbench.structures.fibers import BeamSection
+from workbench.steel.sections import find
 
 STEP = 4e-6  # s, of OpenSees; half of it changes the finer mesh of "slower" by 0.03 %
 FINE = 0.01  # m, elements of OpenSees at hinges; with half of it three columns fail

@@ -16,9 +16,9 @@ import pytest
 from matplotlib.axes import Axes
 
 import workbench as wb
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.responses import Finding, Outcome
-from workbench.sections import find
+from workbench.steel.sections import find
 
 ROOT = Path(wb.__file__).parent
 PAGES, BEGIN = ("README.md", "docs/user-guide.md"), "    import workbench as wb"
@@ -54,7 +54,7 @@ def test_every_public_name_is_there_and_is_no_room() -> None:
 
 @pytest.mark.parametrize("room", ["answers", "accessor", "sweeps"])
 def test_examples_run(room: str) -> None:
-    done = doctest.testmod(importlib.import_module(f"workbench.desk.{room}"))
+    done = doctest.testmod(importlib.import_module(f"workbench.api.{room}"))
     assert done.attempted > 2
     assert done.failed == 0
 

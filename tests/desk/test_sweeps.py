@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 import workbench as wb
+from workbench.base.errors import InputError
 from workbench.cli import run
-from workbench.errors import InputError
 from workbench.report.gallery import to_csv
 from workbench.study.tables import csv_bytes, from_spreadsheets, workbook_bytes
 

@@ -10,19 +10,27 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from workbench.evidence import load
-from workbench.evidence.advice import NONE, ORDER, advise, advised, better, choose, with_remedies
-from workbench.evidence.catalogue import DATA
-from workbench.evidence.error_model import WARNED, anchor_error
-from workbench.evidence.error_table import ANCHOR, FINEST
+from workbench.base.catalogue import DATA
 from workbench.models.four_dof import FourDof, FourDofShear
+from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.registry import make_model, model_kind, model_names
 from workbench.models.superelements import FlexibleSuperelement
-from workbench.references.fiber_shear import FiberShear
-from workbench.registry import make_model, model_kind, model_names
 from workbench.responses import Finding, Response
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.sections import find, names, rectangular_tube, square
+from workbench.steel.sections import find, names, rectangular_tube, square
 from workbench.study import load_study
+from workbench.study.error_model import load
+from workbench.study.error_model.advice import (
+    NONE,
+    ORDER,
+    advise,
+    advised,
+    better,
+    choose,
+    with_remedies,
+)
+from workbench.study.error_model.error_model import WARNED, anchor_error
+from workbench.study.error_model.error_table import ANCHOR, FINEST
 
 
 def drawn(count: int) -> list[ColumnImpact]:

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.errors import InputError
-from workbench.evidence import check, dataset, datasets, load
-from workbench.evidence.published import Published
+from workbench.base.errors import InputError
+from workbench.models.published import Published
 from workbench.responses import Outcome, outcome_of
+from workbench.study.error_model import check, dataset, datasets, load
 
 
 def test_every_dataset_is_described_and_present() -> None:
@@ -37,7 +37,7 @@ def test_columns_and_their_descriptions_must_agree(tmp_path, monkeypatch) -> Non
 
 
 def test_every_table_of_tests_names_its_works() -> None:
-    from workbench.content.bibliography import bibliography
+    from workbench.report.page.bibliography import bibliography
 
     for entry in datasets():
         if entry.file.startswith("studs/"):

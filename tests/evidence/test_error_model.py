@@ -12,12 +12,25 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from workbench.base.errors import Collapse, CollapseError, Mechanism
 from workbench.cli import run
-from workbench.errors import Collapse, CollapseError, Mechanism
-from workbench.evidence import error_model
-from workbench.evidence.descriptors import FACTOR
-from workbench.evidence.error_model import anchor_peak, expected_error, truth_ratio, widened
-from workbench.evidence.error_table import (
+from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.registry import make_model
+from workbench.models.strain_rate import stronger
+from workbench.models.superelements import FlexibleSuperelement
+from workbench.responses import Outcome, build_response, collapsed_response, failed_response
+from workbench.scenarios import ColumnImpact, scenario_from
+from workbench.steel.materials import CowperSymonds
+from workbench.study import Case, Study
+from workbench.study.error_model import error_model
+from workbench.study.error_model.descriptors import FACTOR
+from workbench.study.error_model.error_model import (
+    anchor_peak,
+    expected_error,
+    truth_ratio,
+    widened,
+)
+from workbench.study.error_model.error_table import (
     ANCHOR,
     COLUMNS,
     FACTOR_BEAM,
@@ -29,14 +42,6 @@ from workbench.evidence.error_table import (
     LocalMean,
     ends_of,
 )
-from workbench.materials import CowperSymonds
-from workbench.models.strain_rate import stronger
-from workbench.models.superelements import FlexibleSuperelement
-from workbench.references.fiber_shear import FiberShear
-from workbench.registry import make_model
-from workbench.responses import Outcome, build_response, collapsed_response, failed_response
-from workbench.scenarios import ColumnImpact, scenario_from
-from workbench.study import Case, Study
 
 JUDGED = COLUMNS.rows[np.isfinite(COLUMNS.ratios)]
 

@@ -9,17 +9,24 @@ from math import inf
 import numpy as np
 import pytest
 
-from workbench.evidence.descriptors import DRAWN_SHAPES
-from workbench.evidence.error_model import (
+from workbench.models.registry import make_model
+from workbench.responses import build_response
+from workbench.scenarios import MemberPulse, Pulse, scenario_from
+from workbench.study.error_model.descriptors import DRAWN_SHAPES
+from workbench.study.error_model.error_model import (
     anchor_peak,
     expected_error,
     residual_ends,
     truth_ratio,
 )
-from workbench.evidence.error_table import ANCHOR, FRAMES, PULSES, TRUTH, ErrorTable, ends_of
-from workbench.registry import make_model
-from workbench.responses import build_response
-from workbench.scenarios import MemberPulse, Pulse, scenario_from
+from workbench.study.error_model.error_table import (
+    ANCHOR,
+    FRAMES,
+    PULSES,
+    TRUTH,
+    ErrorTable,
+    ends_of,
+)
 
 BOTH = pytest.mark.parametrize("table", [PULSES, FRAMES], ids=lambda table: table.dataset)
 FEWEST = {"pulses": 250, "frames": 100}  # rows with a truth
@@ -170,7 +177,7 @@ def framed(ratio: float):
 
 def test_light_strikers_on_frames_are_warned_of_and_heavy_ones_are_not(monkeypatch) -> None:
     """By the struck column as its frame holds it; the anchor is too small under light ones."""
-    monkeypatch.setattr("workbench.evidence.error_model.anchor_peak", lambda hit: 0.1)
+    monkeypatch.setattr("workbench.study.error_model.error_model.anchor_peak", lambda hit: 0.1)
     light, heavy = (expected_error(framed(ratio), answered(0.1)) for ratio in (0.4, 20.0))
     assert light.cell == "striker over lumped mass below 0.6"
     assert light.warns

@@ -11,13 +11,13 @@ import pytest
 
 import workbench as wb
 from workbench.cli import run
-from workbench.evidence.advice import ANCHOR, REFERENCE, choose
-from workbench.evidence.error_model import OPEN_END
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.superelements import FlexibleSuperelement
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
 from workbench.responses import findings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, scenario_from, to_toml
+from workbench.study.error_model.advice import ANCHOR, REFERENCE, choose
+from workbench.study.error_model.error_model import OPEN_END
 
 PROBE = FiberReissner(levels=1)
 RECTANGLE = {"height": 0.005, "width": 0.003}  # ANSYS VM-LSDYNA-BENCHMARK-003: 3 x 5 x 50 mm

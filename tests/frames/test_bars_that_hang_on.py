@@ -7,12 +7,12 @@ from dataclasses import replace
 import pytest
 
 import workbench as wb
-from workbench.evidence.error_model import anchor_peak, expected_error
-from workbench.frames.collapse import COLLAPSE_SIDEWAYS
+from workbench.mechanics.frames.collapse import COLLAPSE_SIDEWAYS
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_shear import FiberShear
 from workbench.responses import collapse_of, findings_of, survives
 from workbench.scenarios import Column, ColumnImpact
+from workbench.study.error_model.error_model import anchor_peak, expected_error
 
 
 def hung(velocity: float, stiffness: float = 448e3) -> ColumnImpact:

@@ -7,9 +7,9 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from workbench.frames.elastic import ElasticFrame
+from workbench.mechanics.frames.elastic import ElasticFrame
 from workbench.scenarios import Frame, Load, Member, Node
-from workbench.sections import square
+from workbench.steel.sections import square
 
 LENGTH, SECTION = 4.0, square(0.1)
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from workbench.frames.collapse import collapse_factor, collapse_mechanism
-from workbench.frames.members import shear_bound, shear_demand
+from workbench.mechanics.frames.collapse import collapse_factor, collapse_mechanism
+from workbench.mechanics.frames.members import shear_bound, shear_demand
 from workbench.scenarios import Frame, FramePulse, Joint, Load, Member, Node, Pulse
-from workbench.sections import find, square
+from workbench.steel.sections import find, square
 
 LENGTH, SECTION = 6.0, square(0.2)
 

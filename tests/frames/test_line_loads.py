@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.errors import InputError
-from workbench.frames.structure import dead_loads
-from workbench.registry import make_model
+from workbench.base.errors import InputError
+from workbench.mechanics.frames.structure import dead_loads
+from workbench.models.registry import make_model
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import Frame, FrameStatic, Load, Member, Node
-from workbench.sections import find
+from workbench.steel.sections import find
 
 SPAN, LOAD = 6.0, 10e3  # m, N/m down
 NODES = (

@@ -39,9 +39,9 @@ import xarray as xr
 from scenario_tables import SCENARIOS, places, put
 from threadpoolctl import threadpool_limits
 
+from workbench.base.datafiles import data_directory
 from workbench.cli import run
-from workbench.datafiles import data_directory
-from workbench.registry import model_kind, model_names
+from workbench.models.registry import model_kind, model_names
 
 CORPUS = Path(__file__).with_name("corpus")
 TOYS = Path(__file__).parents[1] / "toy_models.py"
@@ -64,7 +64,7 @@ WILD: list[Any] = [
     [1],
 ]
 MESH = {"smallest_element": 0.2, "largest_element": 0.4, "levels": 1}
-REFERENCES = "workbench.references"
+REFERENCES = "workbench.models.references"
 LOOKED_UP = ("measured", "published")  # models that solve nothing
 ANSWER = "answer.nc"
 SOLVED = ("ok", "collapse", "not-converged", "timed-out")

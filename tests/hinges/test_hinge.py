@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
-from workbench.errors import InputError
-from workbench.hinges import YieldSurface
-from workbench.materials import Steel
-from workbench.sections import find
+from workbench.base.errors import InputError
+from workbench.steel.hinges import YieldSurface
+from workbench.steel.materials import Steel
+from workbench.steel.sections import find
 
 GOLDEN = json.loads((Path(__file__).parent / "golden_projection.json").read_text())
 K_AXIAL, K_ROTATION = 4.7775e9, 1.2743325e8

@@ -9,7 +9,7 @@ from generalized_hinge import GeneralizedHinge
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.hinges import YieldSurface, kernels, pair_kernels
+from workbench.steel.hinges import YieldSurface, kernels, pair_kernels
 
 NP, MP = 3133230.0, 284720.0
 KN, KT = 4.7775e9, 1.2743325e8

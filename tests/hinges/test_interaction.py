@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from workbench.errors import InputError
-from workbench.hinges.interaction import (
+from workbench.base.errors import InputError
+from workbench.steel.hinges.interaction import (
     RULES,
     moment_capacity,
     polyline,
     radial_error,
 )
-from workbench.sections import find, section_from
+from workbench.steel.sections import find, section_from
 
 HEB = find("HEB 220").without_fillets()
 # least, largest and rms radial error in percent, computed before from other samples

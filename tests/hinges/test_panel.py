@@ -6,16 +6,16 @@ from builders import examples
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.errors import InputError
-from workbench.hinges import (
+from workbench.base.errors import InputError
+from workbench.steel.hinges import (
     ShearSurface,
     has_shear_surface,
     has_webs,
     panel_elements,
     panel_kernels,
 )
-from workbench.materials import Steel
-from workbench.sections import circular_tube, find, i_section, rectangular_tube, square
+from workbench.steel.materials import Steel
+from workbench.steel.sections import circular_tube, find, i_section, rectangular_tube, square
 
 HEB = ShearSurface(find("HEB 220").without_fillets(), Steel(), "clear")
 SURFACES = {

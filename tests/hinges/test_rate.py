@@ -5,15 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.hinges.rate import (
+from workbench.steel.hinges.rate import (
     hinge_overstress,
     overstress_shape,
     panel_overstress,
     rotation_rate,
 )
-from workbench.materials import MILD_STEEL, CowperSymonds
-from workbench.sections import find
-from workbench.sections.reading import square
+from workbench.steel.materials import MILD_STEEL, CowperSymonds
+from workbench.steel.sections import find
+from workbench.steel.sections.reading import square
 
 HEB = find("HEB 220")
 

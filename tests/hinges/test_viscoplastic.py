@@ -5,20 +5,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.hinges.flow_kernels import MOST, gauge, of_two_bodies
-from workbench.hinges.interaction import SHEAR_DEPTHS, ShearSurface, has_webs
-from workbench.hinges.panel_elements import project_condensed
-from workbench.hinges.panel_kernels import Panel
-from workbench.hinges.rate import (
+from workbench.steel.hinges.flow_kernels import MOST, gauge, of_two_bodies
+from workbench.steel.hinges.interaction import SHEAR_DEPTHS, ShearSurface, has_webs
+from workbench.steel.hinges.panel_elements import project_condensed
+from workbench.steel.hinges.panel_kernels import Panel
+from workbench.steel.hinges.rate import (
     bar_law,
     overstress_shape,
     panel_law,
     panel_overstress,
     rotation_rate,
 )
-from workbench.hinges.viscoplastic_kernels import flow_of_bar, potential
-from workbench.materials import MILD_STEEL, CowperSymonds, Steel
-from workbench.sections import find, square
+from workbench.steel.hinges.viscoplastic_kernels import flow_of_bar, potential
+from workbench.steel.materials import MILD_STEEL, CowperSymonds, Steel
+from workbench.steel.sections import find, square
 
 HEB = find("HEB 220").without_fillets()
 SECTIONS = (HEB, find("IPE 300").without_fillets(), find("HEA 240"), square(0.2))

@@ -7,7 +7,7 @@ from collision import collide
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.impact import contact_loss, explicit_percussion
+from workbench.mechanics.impact import contact_loss, explicit_percussion
 
 MASS = st.floats(0.1, 1e5)
 

@@ -8,27 +8,27 @@ import numpy as np
 import pytest
 from collision import collide
 
-from workbench.impact.complementarity import Restitution
-from workbench.impact.laboratory import run
-from workbench.impact.schemes import scheme
-from workbench.impact.schemes.time_stepping import (
+from workbench.extras.laboratory.complementarity import Restitution
+from workbench.extras.laboratory.impact_systems import ColumnSystem, StructureSystem, column_problem
+from workbench.extras.laboratory.schemes import scheme
+from workbench.extras.laboratory.schemes.time_stepping import (
     central_differences,
     energy_midpoint,
     gear_gupta_leimkuhler,
     moreau_jean,
     moreau_midpoint,
 )
+from workbench.extras.laboratory.systems import run
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.explicit import explicit_impact
+from workbench.mechanics.structures.fibers import BeamSection
+from workbench.mechanics.structures.fibers.beams import ReissnerBeams
+from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.impact import PointMass, impact
 from workbench.models.four_dof import FourDof
-from workbench.models.impact_systems import ColumnSystem, StructureSystem, column_problem
 from workbench.models.single_dof import SingleDof
 from workbench.models.single_dof import spring as kernels
 from workbench.scenarios import ColumnImpact, Striker
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.explicit import explicit_impact
-from workbench.structures.fibers import BeamSection
-from workbench.structures.fibers.beams import ReissnerBeams
-from workbench.structures.fibers.section import LinearHardening
-from workbench.structures.impact import PointMass, impact
 
 CLOSE = {"rtol": 0.0, "atol": 1e-10}
 

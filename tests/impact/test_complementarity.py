@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from workbench.impact.complementarity import TOLERANCE, complementary, fixed_point
+from workbench.extras.laboratory.complementarity import TOLERANCE, complementary, fixed_point
 
 
 def random_problem(rng: np.random.Generator, number: int):

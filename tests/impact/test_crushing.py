@@ -10,18 +10,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from workbench.base.errors import InputError
 from workbench.cli import run
-from workbench.errors import InputError
-from workbench.evidence.descriptors import DEMAND, YIELDING, features
-from workbench.evidence.error_model import expected_error
-from workbench.impact import crushing
-from workbench.impact.records import law_of
-from workbench.materials import Steel
+from workbench.mechanics.impact import crushing
+from workbench.mechanics.impact.records import law_of
 from workbench.models.four_dof import FourDof
+from workbench.models.registry import make_model
 from workbench.models.single_dof import SingleDof
 from workbench.models.soft_impact import SoftImpact
 from workbench.models.strain_rate import with_strain_rate
-from workbench.registry import make_model
 from workbench.responses import Response, findings_of, outcome_of
 from workbench.scenarios import (
     Column,
@@ -34,7 +31,10 @@ from workbench.scenarios import (
     to_toml,
 )
 from workbench.scenarios.traffic import LIGHTEST
-from workbench.sections import find
+from workbench.steel.materials import Steel
+from workbench.steel.sections import find
+from workbench.study.error_model.descriptors import DEMAND, YIELDING, features
+from workbench.study.error_model.error_model import expected_error
 
 POINTS = ((0.0, 0.0), (0.1, 2e5), (0.2, 2e5), (0.3, 1e5), (0.4, 4e5))
 PEAK = "peak_displacement"

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from workbench.errors import InputError, SolverError
-from workbench.impact.complementarity import Restitution
-from workbench.impact.laboratory import Run, run
-from workbench.impact.problems import oscillator, problem
-from workbench.impact.schemes import (
+from workbench.base.errors import InputError, SolverError
+from workbench.extras.laboratory.complementarity import Restitution
+from workbench.extras.laboratory.problems import oscillator, problem
+from workbench.extras.laboratory.schemes import (
     CLASSICAL,
     ENERGY,
     LAW,
@@ -24,13 +23,14 @@ from workbench.impact.schemes import (
     event_driven,
     scheme,
 )
-from workbench.impact.schemes.newmark import energy_penalty, generalized_alpha, hht_alpha
-from workbench.impact.schemes.time_stepping import (
+from workbench.extras.laboratory.schemes.newmark import energy_penalty, generalized_alpha, hht_alpha
+from workbench.extras.laboratory.schemes.time_stepping import (
     energy_midpoint,
     gear_gupta_leimkuhler,
     moreau_jean,
 )
-from workbench.impact.system import springs
+from workbench.extras.laboratory.system import springs
+from workbench.extras.laboratory.systems import Run, run
 from workbench.report.drawing.style import house_style
 
 NAMES = tuple(SCHEMES)

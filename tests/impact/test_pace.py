@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from workbench.impact.pace import Pace, aimed, growth, late_peak, met
+from workbench.mechanics.impact.pace import Pace, aimed, growth, late_peak, met
 
 PACE = Pace(1.0, 1e-5, 1e-2, 1e-3, 1e-2, 0.1, 1e-4, 10_000)
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from workbench.impact.laboratory import run
-from workbench.impact.problems import PROBLEMS, bar, cradle, problem
-from workbench.impact.schemes import scheme
-from workbench.impact.system import Penalty, springs
-from workbench.models.impact_systems import frame_problem
+from workbench.extras.laboratory.impact_systems import frame_problem
+from workbench.extras.laboratory.problems import PROBLEMS, bar, cradle, problem
+from workbench.extras.laboratory.schemes import scheme
+from workbench.extras.laboratory.system import Penalty, springs
+from workbench.extras.laboratory.systems import run
 
 TIGHT = {"rtol": 1e-12, "atol": 1e-13, "dense_output": True}
 

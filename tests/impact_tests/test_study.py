@@ -13,16 +13,16 @@ import pytest
 from scipy.stats import beta
 from scipy.stats import t as student
 
-from workbench.content.documents import render_markdown
-from workbench.content.terminal import show
-from workbench.evidence import dataset
-from workbench.intake import add_table
+from workbench.extras.intake import add_table
 from workbench.report.build import build_report, document, summary
 from workbench.report.chapters.answer import in_brief
 from workbench.report.chapters.results import footnote
+from workbench.report.page.documents import render_markdown
+from workbench.report.page.terminal import show
 from workbench.report.stored import Stored
 from workbench.study import Study, load_study, run_study
 from workbench.study.assess import Assessment, assess
+from workbench.study.error_model import dataset
 from workbench.study.tables import rows_of
 
 ROOT = Path(__file__).resolve().parents[2]

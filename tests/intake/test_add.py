@@ -13,13 +13,13 @@ from pathlib import Path
 import pytest
 
 import workbench
+from workbench.base.errors import InputError
 from workbench.cli import run
-from workbench.errors import InputError
-from workbench.evidence import check, dataset, datasets, load
-from workbench.intake import add_table, check_file, problems_of_own
+from workbench.extras.intake import add_table, check_file, problems_of_own
 from workbench.responses import Outcome, outcome_of
 from workbench.studs.answers import StudStrength
 from workbench.study import Case, Study
+from workbench.study.error_model import check, dataset, datasets, load
 
 HEADER = (
     "campaign,specimen,section,span,hit_at,base,head,axial_load,mass,velocity,yield_stress,"
@@ -204,7 +204,7 @@ def test_data_live_where_the_user_says(monkeypatch: pytest.MonkeyPatch, tmp_path
     monkeypatch.setenv("WORKBENCH_DATA", str(tmp_path / "elsewhere"))
     assert len(load("tests")) == 2
     assert add_table(impacts()).already
-    from workbench.datafiles import data_directory
+    from workbench.base.datafiles import data_directory
 
     with pytest.raises(InputError, match="read only"):
         add_table(impacts(), into=data_directory() / "mine")
@@ -361,7 +361,7 @@ def test_tables_that_no_one_can_tell_apart_are_asked_for() -> None:
 def test_nothing_is_left_where_a_write_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     add_table(impacts())
     before = {path.name: path.read_bytes() for path in Path("lab_data").iterdir()}
-    from workbench.intake import add
+    from workbench.extras.intake import add
 
     def full(path: Path, content: bytes) -> None:
         raise OSError(28, "No space left on device")
@@ -448,7 +448,7 @@ def test_tables_that_are_added_at_once_are_all_catalogued() -> None:
 
 
 def test_one_waits_for_who_adds_a_table_and_does_not_hang(monkeypatch: pytest.MonkeyPatch) -> None:
-    from workbench.intake import add
+    from workbench.extras.intake import add
     from workbench.study.store import locked
 
     add_table(impacts())

@@ -8,7 +8,7 @@ import pytest
 
 import workbench
 from workbench.cli import run
-from workbench.evidence import load
+from workbench.study.error_model import load
 
 GUIDE = Path(workbench.__file__).parents[1] / "docs" / "user-guide.md"
 

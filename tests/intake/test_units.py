@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from workbench.errors import InputError
-from workbench.intake.conversion import factor
+from workbench.base.errors import InputError
+from workbench.extras.intake.conversion import factor
 
 
 @pytest.mark.parametrize(

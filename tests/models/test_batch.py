@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import qmc
 from toy_models import Spring
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.models.base import Model
 from workbench.models.batch import FAILURE, OUTCOME, can_stack, simulate_many
 from workbench.models.energy_estimate import EnergyEstimate

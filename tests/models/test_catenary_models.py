@@ -7,20 +7,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.frames.members import shear_stiffness
-from workbench.models.energy_estimate import energy_to_absorb
-from workbench.models.practice.catenary import (
+from workbench.extras.practice.catenary import (
     Izzuddin,
     TrilinearCatenary,
     YinWang,
     profile,
     rigid_plastic,
 )
-from workbench.models.practice.deflected_shape import beam_of
+from workbench.mechanics.frames.members import shear_stiffness
+from workbench.models.energy_estimate import energy_to_absorb
 from workbench.models.resistance import axial_flexibility, mechanism_of, resistance_curve
 from workbench.models.resistance.curve import LINEAR
+from workbench.models.resistance.deflected_shape import beam_of
 from workbench.scenarios import Column, ColumnImpact, Striker
-from workbench.sections import find
+from workbench.steel.sections import find
 
 MODELS = (TrilinearCatenary(), YinWang(), Izzuddin())
 SPAN, SPRING = 4.0, 1e8

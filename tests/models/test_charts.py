@@ -12,8 +12,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from workbench.cli import run
-from workbench.models.practice.biggs import Biggs
-from workbench.models.practice.charts import (
+from workbench.extras.practice.biggs import Biggs
+from workbench.extras.practice.charts import (
     ductility,
     impulse_asymptote,
     pressure_impulse,
@@ -21,7 +21,7 @@ from workbench.models.practice.charts import (
     step_force,
 )
 from workbench.scenarios import Column, MemberPulse, Pulse, to_toml
-from workbench.sections import find
+from workbench.steel.sections import find
 from workbench.study.limit import pressure_impulse_curve
 
 SHAPES = ("rectangular", "triangular", "exponential", "friedlander")

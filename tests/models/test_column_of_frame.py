@@ -14,17 +14,16 @@ from builders import Answers, thesis_frame
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from workbench.base.errors import InputError, OutOfDomainError
 from workbench.cli import run
-from workbench.errors import InputError, OutOfDomainError
-from workbench.evidence.advice import advise
-from workbench.frames.collapse import collapse_factor, collapse_mechanism
-from workbench.frames.column_estimate import SAME
-from workbench.frames.column_line import HEAD_MASSES
-from workbench.frames.elastic import ElasticFrame, dead_load_state
+from workbench.mechanics.frames.collapse import collapse_factor, collapse_mechanism
+from workbench.mechanics.frames.column_estimate import SAME
+from workbench.mechanics.frames.column_line import HEAD_MASSES
+from workbench.mechanics.frames.elastic import ElasticFrame, dead_load_state
 from workbench.models.column_of_frame import MODELS, ColumnOfFrame, derive_column
 from workbench.models.four_dof import FourDof
+from workbench.models.registry import make_model
 from workbench.models.superelements import RigidSuperelement
-from workbench.registry import make_model
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.scenarios import (
     Column,
@@ -42,7 +41,8 @@ from workbench.scenarios import (
     regular_frame,
     to_toml,
 )
-from workbench.sections import find, square
+from workbench.steel.sections import find, square
+from workbench.study.error_model.advice import advise
 from workbench.testing import check_model
 
 SECTION = square(0.2)

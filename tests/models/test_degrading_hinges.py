@@ -10,11 +10,11 @@ import pytest
 from scipy.optimize import brentq
 from test_hinged_frames import HEB, cantilever
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.models.hinged_frames import PlasticHinge, QuasiPlasticHinge
 from workbench.responses import findings_of
 from workbench.scenarios import FrameImpact, FrameStatic, FrameStriker, Load, regular_frame
-from workbench.sections import find, square
+from workbench.steel.sections import find, square
 
 pytestmark = pytest.mark.usefixtures("few_load_steps")
 LENGTH, CAPACITY, AMPLITUDE = 4.0, 0.5, 0.25

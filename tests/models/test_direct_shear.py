@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from workbench.errors import CollapseError, InputError
-from workbench.models.practice.biggs import Biggs, slip_resistance, slips
+from workbench.base.errors import CollapseError, InputError
+from workbench.extras.practice.biggs import Biggs, slip_resistance, slips
 from workbench.responses import Outcome, findings_of, outcome_of
 from workbench.scenarios import Column, ColumnImpact, MemberPulse, Pulse, Striker
-from workbench.sections import find
+from workbench.steel.sections import find
 from workbench.testing import check_model
 
 

@@ -6,22 +6,22 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.frames.members import shear_bound
+from workbench.mechanics.frames.members import shear_bound
 from workbench.models.domain import (
     buckling_findings,
     euler_load,
     member_findings,
     shear_demand,
 )
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.scenarios import (
     Column,
     ColumnPushover,
     MemberPulse,
     Pulse,
 )
-from workbench.sections import CircularTube, RectangularTube, Section, find, square
+from workbench.steel.sections import CircularTube, RectangularTube, Section, find, square
 
 LENGTH = 8.0
 

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from builders import THESIS_SPRINGS
 
-from workbench.errors import OutOfDomainError
-from workbench.frames.members import shear_stiffness
+from workbench.base.errors import OutOfDomainError
+from workbench.mechanics.frames.members import shear_stiffness
 from workbench.models.elastic_springs import bar_functions, beam_springs
 from workbench.models.four_dof import FourDof, FourDofShear
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.resistance import mechanism_of
 from workbench.models.single_dof import SingleDof
-from workbench.references.fiber_shear import FiberShear
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.sections import find
+from workbench.steel.sections import find
 
 IPE = find("IPE 300").without_fillets()
 RIGID = 1e20  # N, shear stiffness

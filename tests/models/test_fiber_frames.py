@@ -10,10 +10,10 @@ from test_hinged_frames import MP, cantilever
 
 from workbench.models.fiber_frames import FiberHinge, ForceBasedBeam
 from workbench.models.hinged_frames import PlasticHinge
-from workbench.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_corotational import FiberCorotational
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import FrameImpact, FrameStriker, Load, regular_frame
-from workbench.sections import find
+from workbench.steel.sections import find
 
 pytestmark = pytest.mark.usefixtures("few_load_steps")
 FINE = {"smallest_element": 0.05, "largest_element": 0.2, "levels": 1, "refinement": 0}

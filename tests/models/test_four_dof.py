@@ -10,7 +10,7 @@ from builders import THESIS_SPRINGS, Answers
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.hinges import ShearSurface
+from workbench.mechanics.structures.kernels import solve_four
 from workbench.models.four_dof import FourDof, FourDofShear, kinematics, statics
 from workbench.models.superelements import RigidSuperelement
 from workbench.responses import (
@@ -23,8 +23,8 @@ from workbench.responses import (
     warnings_of,
 )
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.sections import find
-from workbench.structures.kernels import solve_four
+from workbench.steel.hinges import ShearSurface
+from workbench.steel.sections import find
 
 ELASTIC = {"plastic_moment": 9e8, "squash_load": 9e9}
 

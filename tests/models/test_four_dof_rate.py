@@ -7,13 +7,13 @@ import pytest
 from builders import THESIS_SPRINGS
 from scipy.integrate import solve_ivp
 
-from workbench.errors import InputError
-from workbench.hinges.rate import hinge_overstress, overstress_shape
-from workbench.materials import MILD_STEEL, CowperSymonds, Steel
+from workbench.base.errors import InputError
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.responses import findings_of, outcome_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.sections import circular_tube, find, square
+from workbench.steel.hinges.rate import hinge_overstress, overstress_shape
+from workbench.steel.materials import MILD_STEEL, CowperSymonds, Steel
+from workbench.steel.sections import circular_tube, find, square
 
 BARS = FourDof(rate_level="bars")
 AS_COMPUTED = FourDof(rate_level="bars", time_step=1e-4, **THESIS_SPRINGS)

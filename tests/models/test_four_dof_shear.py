@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from builders import THESIS_SPRINGS, Answers
 
-from workbench.hinges import ShearSurface
-from workbench.materials import Steel
 from workbench.models.four_dof import FourDof, FourDofShear
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.resistance.columns import plateau
-from workbench.references.fiber_shear import FiberShear
 from workbench.responses import Outcome, collapse_of, findings_of, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.sections import circular_tube, find, i_section, square
+from workbench.steel.hinges import ShearSurface
+from workbench.steel.materials import Steel
+from workbench.steel.sections import circular_tube, find, i_section, square
 
 # An implementation of its own with six unknowns (rotations of the sections among them): forces in
 # kN, steps of 0.25 to 1 mm, regularised by 1e-6 of the elastic stiffness; peaks in m at steps of

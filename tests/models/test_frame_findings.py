@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from builders import SQUARE, portal
 
-from workbench.frames.elastic import dead_load_state, line_wave_times, time_to_peak
-from workbench.frames.members import chains, shear_demand, shear_stiffness
-from workbench.frames.structure import free_to_spin
+from workbench.mechanics.frames.elastic import dead_load_state, line_wave_times, time_to_peak
+from workbench.mechanics.frames.members import chains, shear_demand, shear_stiffness
+from workbench.mechanics.frames.structure import free_to_spin
 from workbench.models.domain import euler_load, frame_findings
 from workbench.models.domain import shear_demand as column_demand
 from workbench.models.superelements import RigidSuperelement
@@ -30,7 +30,7 @@ from workbench.scenarios import (
     frame_scenario,
     regular_frame,
 )
-from workbench.sections import find
+from workbench.steel.sections import find
 
 HEB = find("HEB 220")
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from builders import SQUARE
 
-from workbench.frames.collapse import sway_collapse, sway_findings
-from workbench.frames.elastic import slowest_period
+from workbench.mechanics.frames.collapse import sway_collapse, sway_findings
+from workbench.mechanics.frames.elastic import slowest_period
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.responses.histories import residual_over
@@ -24,7 +24,7 @@ from workbench.scenarios import (
     Striker,
     regular_frame,
 )
-from workbench.sections import find
+from workbench.steel.sections import find
 
 HEIGHT, DEAD = 4.0, 5.5e5
 

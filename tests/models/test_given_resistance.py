@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from workbench.errors import InputError
-from workbench.materials import CowperSymonds
+from workbench.base.errors import InputError
 from workbench.models.batch import simulate_many
 from workbench.models.energy_estimate import EnergyEstimate, energy_to_absorb
 from workbench.models.resistance import column_curve
@@ -20,6 +19,7 @@ from workbench.models.soft_impact import SoftImpact
 from workbench.models.strain_rate import rate_factor
 from workbench.responses import Outcome, outcome_of, warnings_of
 from workbench.scenarios import ColumnPushover, MemberPulse, Pulse
+from workbench.steel.materials import CowperSymonds
 from workbench.study.cells import ingredients_of, key_of
 from workbench.testing import check_model
 

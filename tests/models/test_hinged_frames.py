@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from builders import thesis_frame
 
-from workbench.frames.members import fiber_section
-from workbench.materials import Steel
+from workbench.mechanics.frames.members import fiber_section
+from workbench.mechanics.structures.fibers.section import spread_of_yield
 from workbench.models.frame_model import FrameModel
 from workbench.models.hinged_frames import (
     BarHinges,
@@ -19,9 +19,9 @@ from workbench.models.hinged_frames import (
     QuasiPlasticHinge,
     RefinedPlasticHinge,
 )
+from workbench.models.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_reissner import FiberReissner
 from workbench.models.superelements import FlexibleSuperelement
-from workbench.references.fiber_corotational import FiberCorotational
-from workbench.references.fiber_reissner import FiberReissner
 from workbench.responses import warnings_of
 from workbench.scenarios import (
     Frame,
@@ -34,8 +34,8 @@ from workbench.scenarios import (
     Node,
     regular_frame,
 )
-from workbench.sections import find, square
-from workbench.structures.fibers.section import spread_of_yield
+from workbench.steel.materials import Steel
+from workbench.steel.sections import find, square
 
 HEB, STEEL = find("HEB 220"), Steel()
 EI = STEEL.elastic_modulus * HEB.second_moment

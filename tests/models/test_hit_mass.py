@@ -26,7 +26,7 @@ from workbench.models.hit_mass import (
 )
 from workbench.models.single_dof import SingleDof
 from workbench.scenarios import Column, ColumnImpact, Striker
-from workbench.sections import find
+from workbench.steel.sections import find
 
 HEB = find("HEB 220")
 

@@ -10,12 +10,11 @@ from typing import Any
 
 import pytest
 
-from workbench.evidence.advice import advised, doubts
-from workbench.evidence.error_model import truth_ratio
+from workbench.base.codec import inputs_of, set_inputs
 from workbench.models import frame_model
 from workbench.models.base import Model
 from workbench.models.frame_model import FrameModel
-from workbench.registry import make_model, model_kind, model_names
+from workbench.models.registry import make_model, model_kind, model_names
 from workbench.responses import findings_of
 from workbench.scenarios import (
     Column,
@@ -37,9 +36,10 @@ from workbench.scenarios import (
     Striker,
     frame_scenario,
 )
-from workbench.scenarios.codec import inputs_of, set_inputs
 from workbench.scenarios.varied import with_other_inputs
-from workbench.sections import find
+from workbench.steel.sections import find
+from workbench.study.error_model.advice import advised, doubts
+from workbench.study.error_model.error_model import truth_ratio
 from workbench.testing import ignored_inputs
 
 SECTION = find("HEB 220")

@@ -8,13 +8,13 @@ import tomllib
 import numpy as np
 import pytest
 
-from workbench.content.tree import Bullets, Table, walk
-from workbench.errors import InputError
-from workbench.impact.problems import PROBLEMS as BUILT
-from workbench.models.impact_systems import PROBLEMS as STRUCTURES
-from workbench.models.integrators import ImpactExact, ImpactIntegrator
+from workbench.base.errors import InputError
+from workbench.extras.laboratory.impact_systems import PROBLEMS as STRUCTURES
+from workbench.extras.laboratory.models import ImpactExact, ImpactIntegrator
+from workbench.extras.laboratory.problems import PROBLEMS as BUILT
 from workbench.report.build import document
 from workbench.report.gallery import draw_all
+from workbench.report.page.tree import Bullets, Table, walk
 from workbench.report.stored import Stored
 from workbench.responses import outcome_of
 from workbench.scenarios import ImpactProblem, scenario_from, to_toml

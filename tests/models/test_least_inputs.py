@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from builders import portal
 
-from workbench.errors import InputError
-from workbench.registry import make_model
+from workbench.base.errors import InputError
+from workbench.models.registry import make_model
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, FrameGroundMotion, Striker
 from workbench.scenarios.traffic import velocity_after

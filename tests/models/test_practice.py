@@ -7,9 +7,9 @@ from math import pi, sin, sqrt
 
 import pytest
 
-from workbench.errors import InputError
-from workbench.models.practice.hand_estimate import HandEstimate
-from workbench.models.practice.hard_impact import HardImpact
+from workbench.base.errors import InputError
+from workbench.extras.practice.hand_estimate import HandEstimate
+from workbench.extras.practice.hard_impact import HardImpact
 from workbench.models.single_dof import SingleDof
 from workbench.responses import Outcome, collapse_of, energy_error, outcome_of, warnings_of
 from workbench.scenarios import ColumnImpact

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.models.practice.biggs import Biggs
-from workbench.registry import make_model
+from workbench.extras.practice.biggs import Biggs
+from workbench.models.registry import make_model
 from workbench.responses import Outcome, findings_of, outcome_of
 from workbench.scenarios import Column, MemberPulse, Pulse, scenario_from
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from test_hinged_frames import EI, MP, NP, cantilever, guided
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.models.fiber_frames import BoundingSurface, ModifiedTangentModulus
 from workbench.models.hinged_frames import PlasticHinge
-from workbench.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_corotational import FiberCorotational
 from workbench.responses import findings_of
 from workbench.scenarios import FrameImpact, FrameStriker, Load, regular_frame
-from workbench.sections import find, square
+from workbench.steel.sections import find, square
 from workbench.study import load_study
 
 pytestmark = pytest.mark.usefixtures("few_load_steps")

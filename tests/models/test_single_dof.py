@@ -13,8 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from workbench.errors import InputError
-from workbench.materials import Steel
+from workbench.base.errors import InputError
 from workbench.models.batch import simulate_many
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof
@@ -35,7 +34,8 @@ from workbench.models.single_dof.spring import (
 from workbench.models.soft_impact import SoftImpact
 from workbench.responses import Outcome, Response, collapse_of, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.sections import find, rectangular_tube
+from workbench.steel.materials import Steel
+from workbench.steel.sections import find, rectangular_tube
 from workbench.testing import check_model
 
 

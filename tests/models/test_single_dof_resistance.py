@@ -10,9 +10,7 @@ from builders import THESIS_CURVE, THESIS_SPRINGS, examples
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from workbench.errors import OutOfDomainError
-from workbench.hinges import ShearSurface
-from workbench.materials import Steel
+from workbench.base.errors import OutOfDomainError
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.resistance import (
@@ -28,7 +26,9 @@ from workbench.models.resistance.kernels import PIECE, sum_up, unloading_stiffne
 from workbench.models.single_dof import SingleDof
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.sections import circular_tube, find, square
+from workbench.steel.hinges import ShearSurface
+from workbench.steel.materials import Steel
+from workbench.steel.sections import circular_tube, find, square
 
 MODULUS = 210e9
 

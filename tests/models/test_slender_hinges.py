@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from test_hinged_frames import HEB, NP, cantilever
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.models.hinged_frames import PlasticHinge, RefinedPlasticHinge
 from workbench.responses import findings_of
 from workbench.scenarios import FrameStatic, regular_frame
 from workbench.scenarios.parts import Joint
-from workbench.sections import Section, circular_tube, find, i_section, square
-from workbench.sections.slenderness import lateral_torsional, shares_by_class
+from workbench.steel.sections import Section, circular_tube, find, i_section, square
+from workbench.steel.sections.slenderness import lateral_torsional, shares_by_class
 
 pytestmark = pytest.mark.usefixtures("few_load_steps")
 PLATES = i_section(0.6, 0.3, 0.006, 0.010)  # web 97, flange 14.7: class 4 in S355

@@ -6,14 +6,12 @@ from typing import Any
 
 import pytest
 
-from workbench.errors import InputError
-from workbench.hinges.rate import hinge_overstress, overstress_shape
-from workbench.materials import GRADES, MILD_STEEL, CowperSymonds, Steel
+from workbench.base.errors import InputError
 from workbench.models.batch import simulate_many
 from workbench.models.energy_estimate import EnergyEstimate
+from workbench.models.registry import make_model
 from workbench.models.single_dof import SingleDof
 from workbench.models.strain_rate import rate_factor, stronger, with_rate
-from workbench.registry import make_model
 from workbench.responses import findings_of
 from workbench.scenarios import (
     ColumnImpact,
@@ -24,6 +22,8 @@ from workbench.scenarios import (
     scenario_from,
     to_toml,
 )
+from workbench.steel.hinges.rate import hinge_overstress, overstress_shape
+from workbench.steel.materials import GRADES, MILD_STEEL, CowperSymonds, Steel
 
 
 def read(text: str) -> Any:
@@ -178,7 +178,7 @@ def test_what_leaves_the_rate_out_says_so(rated: ColumnImpact) -> None:
 
 def test_nothing_was_measured_with_a_factor_that_was_not_drawn(rated: ColumnImpact) -> None:
     """Mild steel's law at a yield stress of 355 MPa."""
-    from workbench.evidence.error_model import expected_error
+    from workbench.study.error_model.error_model import expected_error
 
     error = expected_error(rated, make_model("four-dof").simulate(rated))
     assert error.expected is None

@@ -8,16 +8,16 @@ from math import inf
 import numpy as np
 import pytest
 
-from workbench.errors import CollapseError
-from workbench.frames.record import Record
-from workbench.frames.struck import StruckRecord, show
-from workbench.impact.pace import Pace
+from workbench.base.errors import CollapseError
+from workbench.mechanics.frames.record import Record
+from workbench.mechanics.frames.struck import StruckRecord, show
+from workbench.mechanics.impact.pace import Pace
+from workbench.mechanics.structures.superelements.march import follow_impact
+from workbench.mechanics.structures.time_steps import PointMass, StepEnergies, TimeStep
 from workbench.models.frame_model import as_frame
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import Response
 from workbench.scenarios import ColumnImpact, FrameImpact
-from workbench.structures.superelements.march import follow_impact
-from workbench.structures.time_steps import PointMass, StepEnergies, TimeStep
 
 MODELS = {
     "rigid": RigidSuperelement(),

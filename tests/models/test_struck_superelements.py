@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from builders import portal
 
-from workbench.frames.superelements import curvature_shares
-from workbench.impact.pace import late_peak
+from workbench.mechanics.frames.superelements import curvature_shares
+from workbench.mechanics.impact.pace import late_peak
 from workbench.models.frame_model import as_frame
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_shear import FiberShear
 from workbench.responses import warnings_of
 from workbench.scenarios import (
     Column,
@@ -22,7 +22,7 @@ from workbench.scenarios import (
     FrameStriker,
     Striker,
 )
-from workbench.sections import find, rectangular_tube
+from workbench.steel.sections import find, rectangular_tube
 
 MODELS = (RigidSuperelement(), FlexibleSuperelement())
 

@@ -10,12 +10,12 @@ from builders import SQUARE, THESIS_SPRINGS, Answers, absorbed, portal
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.errors import InputError
-from workbench.frames.elastic import dead_load_state
+from workbench.base.errors import InputError
+from workbench.mechanics.frames.elastic import dead_load_state
 from workbench.models.four_dof import FourDof, FourDofShear
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
 from workbench.responses import Outcome, Response, collapse_of, outcome_of, warnings_of
 from workbench.scenarios import (
     Column,
@@ -37,7 +37,7 @@ from workbench.scenarios import (
     frame_of,
     regular_frame,
 )
-from workbench.sections import find, i_section, section_from
+from workbench.steel.sections import find, i_section, section_from
 from workbench.testing import check_model
 
 MODELS = (RigidSuperelement(), FlexibleSuperelement())

@@ -6,15 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workbench.errors import InputError
-from workbench.materials import MILD_STEEL, CowperSymonds, Steel
+from workbench.base.errors import InputError
 from workbench.models.four_dof import FourDof, FourDofShear
+from workbench.models.references.fiber_reissner import FiberReissner
 from workbench.models.strain_rate import with_rate
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber_reissner import FiberReissner
 from workbench.responses import findings_of, outcome_of
 from workbench.scenarios import Column, ColumnImpact, Striker, load_scenario
-from workbench.sections import circular_tube, find
+from workbench.steel.materials import MILD_STEEL, CowperSymonds, Steel
+from workbench.steel.sections import circular_tube, find
 
 FRAME = Path(__file__).parents[2] / "data" / "published" / "heng2017_frame.toml"
 MODELS = {

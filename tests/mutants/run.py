@@ -4,7 +4,7 @@
 
 A fault is noticed where a test of its own room fails. Nobody collects this script: all faults take
 half an hour. Kernels are compiled into a folder of this run (or NUMBA_CACHE_DIR), those that hold
-a fault anew: their place is named by all that they are made of (`workbench/compiled.py`).
+a fault anew: their place is named by all that they are made of (`workbench/base/compiled.py`).
 """
 
 from __future__ import annotations

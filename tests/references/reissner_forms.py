@@ -19,10 +19,10 @@ import numpy as np
 from skfem import Basis, ElementLineP1, ElementVector, LinearForm, MeshLine
 from skfem.helpers import grad
 
-from workbench.arrays import Array
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.structures.elements import Bars, Step
-from workbench.structures.fibers.beams import ReissnerBeams
+from workbench.base.arrays import Array
+from workbench.mechanics.structures.elements import Bars, Step
+from workbench.mechanics.structures.fibers.beams import ReissnerBeams
+from workbench.models.references.fiber_reissner import FiberReissner
 
 
 @LinearForm

@@ -9,12 +9,12 @@ from builders import Answers
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.errors import InputError
-from workbench.references.fiber_corotational import FiberCorotational
-from workbench.references.fiber_reissner import FiberReissner
+from workbench.base.errors import InputError
+from workbench.models.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_reissner import FiberReissner
 from workbench.responses import Outcome, Response, collapse_of, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker, frame_of
-from workbench.sections import find, square
+from workbench.steel.sections import find, square
 from workbench.testing import check_model
 
 # Heng 2017, section 5.2: converged peaks of an independent Reissner beam with fibers (its own

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from reissner_forms import FormsReissner
 
-from workbench.errors import InputError
-from workbench.frames.members import shear_stiffness
-from workbench.materials import MILD_STEEL, CowperSymonds, Steel
+from workbench.base.errors import InputError
+from workbench.mechanics.frames.members import shear_stiffness
 from workbench.models import frame_model
-from workbench.references.fiber_corotational import FiberCorotational
-from workbench.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_reissner import FiberReissner
 from workbench.responses import Outcome, outcome_of
 from workbench.responses.uncertainty import directions_of, estimate, variants
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.sections import find, section_from
+from workbench.steel.materials import MILD_STEEL, CowperSymonds, Steel
+from workbench.steel.sections import find, section_from
 from workbench.testing import check_model
 
 AT = [0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from builders import SQUARE
 
-from workbench.errors import CollapseError
-from workbench.materials import MILD_STEEL, CowperSymonds, Steel
+from workbench.base.errors import CollapseError
+from workbench.mechanics.structures.fibers import section_fibers
 from workbench.models.four_dof import FourDofShear
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.strain_rate import with_rate
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
 from workbench.responses import (
     Outcome,
     collapse_of,
@@ -24,8 +24,8 @@ from workbench.responses import (
     warnings_of,
 )
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.sections import find, section_from
-from workbench.structures.fibers import section_fibers
+from workbench.steel.materials import MILD_STEEL, CowperSymonds, Steel
+from workbench.steel.sections import find, section_from
 from workbench.testing import check_model
 
 FASTEST = CowperSymonds(1e9, 1.0)  # of all steels: hardly feels a rate

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from builders import SQUARE, portal
 
-from workbench.datafiles import data_directory
+from workbench.base.datafiles import data_directory
 from workbench.models.domain import unused_inputs
+from workbench.models.references.fiber import FiberReference
+from workbench.models.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_mesh import MeshRule, member_lengths, mesh_frame
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.fiber import FiberReference
-from workbench.references.fiber_corotational import FiberCorotational
-from workbench.references.fiber_mesh import MeshRule, member_lengths, mesh_frame
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.fiber_shear import FiberShear
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.scenarios import (
     ColumnImpact,

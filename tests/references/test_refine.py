@@ -10,17 +10,17 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from workbench.assessment import METRICS
-from workbench.errors import InputError, SolverError
+from workbench.base.errors import InputError, SolverError
 from workbench.models.base import respond
-from workbench.references.fiber_corotational import FiberCorotational
-from workbench.references.fiber_shear import FiberShear
-from workbench.references.refine import CurvePoint, default_quantities, read, refined
-from workbench.references.solid import SolidPlaneStress
+from workbench.models.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.refine import CurvePoint, default_quantities, read, refined
+from workbench.models.references.solid import SolidPlaneStress
 from workbench.responses import Finding, Outcome, build_response, outcome_of, warnings_of
 from workbench.responses.uncertainty import combined, directions_of, level_names, variants
 from workbench.scenarios import ColumnPushover
 from workbench.study import Case, Study
+from workbench.study.assessment import METRICS
 from workbench.study.comparisons import Answers, compare, ladder_row
 from workbench.testing import check_model
 

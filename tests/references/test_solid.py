@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.references.solid import SolidPlaneStress
+from workbench.models.references.solid import SolidPlaneStress
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnPushover
-from workbench.sections import Section, find, rectangle, square
+from workbench.steel.sections import Section, find, rectangle, square
 from workbench.testing import check_model
 
 HEB = find("HEB 220")
@@ -222,7 +222,7 @@ def test_says_which_overrides_it_leaves_out_but_not_that_shear_is_missing() -> N
 
 
 def test_failure_to_converge_is_a_typed_outcome(monkeypatch) -> None:
-    monkeypatch.setattr("workbench.structures.equilibrium.ITERATIONS", 1)
+    monkeypatch.setattr("workbench.mechanics.structures.equilibrium.ITERATIONS", 1)
     response = SolidPlaneStress(levels=1).simulate(ColumnPushover("push", THESIS, 0.02))
     assert outcome_of(response) is Outcome.NOT_CONVERGED
     assert "axial load, share" in response.attrs["message"]

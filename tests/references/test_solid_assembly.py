@@ -9,10 +9,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.sparse import eye_array
 
-from workbench.errors import SolverError
-from workbench.materials import Steel
-from workbench.references.solid.assembly import SolidAssembly
-from workbench.references.solid.mesh import (
+from workbench.base.errors import SolverError
+from workbench.mechanics.structures.equilibrium import equilibrium
+from workbench.mechanics.structures.paths import apply_loads, push
+from workbench.models.references.solid.assembly import SolidAssembly
+from workbench.models.references.solid.mesh import (
     SolidMesh,
     Supports,
     axial_positions,
@@ -21,9 +22,15 @@ from workbench.references.solid.mesh import (
     supports_of,
 )
 from workbench.scenarios import Column
-from workbench.sections import Section, circular_tube, find, rectangle, rectangular_tube, square
-from workbench.structures.equilibrium import equilibrium
-from workbench.structures.paths import apply_loads, push
+from workbench.steel.materials import Steel
+from workbench.steel.sections import (
+    Section,
+    circular_tube,
+    find,
+    rectangle,
+    rectangular_tube,
+    square,
+)
 
 Array = NDArray[np.float64]
 STEEL = Steel()
@@ -219,7 +226,7 @@ def test_axial_load_shortens_the_column_and_stops_at_the_squash_load() -> None:
 
 
 def test_failed_push_says_where_and_what_was_tried(monkeypatch) -> None:
-    monkeypatch.setattr("workbench.structures.equilibrium.ITERATIONS", 1)
+    monkeypatch.setattr("workbench.mechanics.structures.equilibrium.ITERATIONS", 1)
     case = assembly_of(column(square(0.2)))
     with pytest.raises(SolverError, match=r"displacement .* m: residual .*1/256"):
         list(push(case, case.supports.hit, np.array([0.05]), most_cuts=8))

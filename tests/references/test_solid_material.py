@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.linalg import polar
 
-from workbench.references.solid import material
-from workbench.references.solid.kernels import Elements, State, empty_state, respond
-from workbench.references.solid.material import SQUEEZED, SolidSteel, Tensor
+from workbench.models.references.solid import material
+from workbench.models.references.solid.kernels import Elements, State, empty_state, respond
+from workbench.models.references.solid.material import SQUEEZED, SolidSteel, Tensor
 
 Array = NDArray[np.float64]
 E, NU, FY = 210e9, 0.3, 355e6

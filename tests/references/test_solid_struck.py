@@ -11,18 +11,18 @@ from scipy.optimize import brentq
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import eigsh
 
-from workbench.errors import SolverError
-from workbench.materials import MILD_STEEL, Steel
+from workbench.base.errors import SolverError
+from workbench.mechanics.structures.explicit import explicit_impact
+from workbench.mechanics.structures.time_steps import PointMass
+from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.solid import SolidPlaneStress
+from workbench.models.references.solid.assembly import SolidAssembly, nodal_mass, solid_column
 from workbench.models.superelements import FlexibleSuperelement
-from workbench.references.fiber_shear import FiberShear
-from workbench.references.solid import SolidPlaneStress
-from workbench.references.solid.assembly import SolidAssembly, nodal_mass, solid_column
 from workbench.responses import Outcome, Response, energy_error, outcome_of
 from workbench.responses.uncertainty import WIDTHS
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, MemberPulse, Pulse, Striker
-from workbench.sections import find, rectangle
-from workbench.structures.explicit import explicit_impact
-from workbench.structures.time_steps import PointMass
+from workbench.steel.materials import MILD_STEEL, Steel
+from workbench.steel.sections import find, rectangle
 from workbench.testing import check_model
 
 STEEL = Steel()

@@ -8,8 +8,7 @@ from typing import ClassVar
 import numpy as np
 from builders import thesis_frame
 
-from workbench.fields import Declared, Number, Text, checked
-from workbench.hinges import YieldSurface
+from workbench.base.fields import Declared, Number, Text, checked
 from workbench.models.base import respond
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import (
@@ -25,7 +24,8 @@ from workbench.scenarios import (
     Scenario,
     cyclic_path,
 )
-from workbench.sections import find
+from workbench.steel.hinges import YieldSurface
+from workbench.steel.sections import find
 from workbench.study import Case, Figure, Study
 
 SNAPSHOTS, POINTS = 61, 9

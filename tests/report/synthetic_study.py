@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 from builders import made_once
 
-from workbench.assessment import Gate
-from workbench.errors import SolverError
-from workbench.fields import Declared, Flag, Number, Text, checked
+from workbench.base.errors import SolverError
+from workbench.base.fields import Declared, Flag, Number, Text, checked
 from workbench.models.base import respond
 from workbench.report.stored import Stored
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Scenario, Striker
-from workbench.sections import find
+from workbench.steel.sections import find
 from workbench.study import Case, Figure, Study, run_study
 from workbench.study.assess import assess
+from workbench.study.assessment import Gate
 
 HINGES = ("base", "hit point", "head")
 

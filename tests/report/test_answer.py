@@ -11,9 +11,7 @@ from builders import MOST_WORDS, portal, words_in_sight
 from synthetic_study import Synthetic, store_of, sweep_study
 from toy_models import Spring
 
-from workbench.content.terminal import render_text
-from workbench.content.tree import Bullets, Paragraph, Section, Table, walk
-from workbench.registry import model_names
+from workbench.models.registry import model_names
 from workbench.report.build import build_report, document, summary
 from workbench.report.chapters.answer import (
     answer,
@@ -28,6 +26,8 @@ from workbench.report.chapters.results import numbers
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
+from workbench.report.page.terminal import render_text
+from workbench.report.page.tree import Bullets, Paragraph, Section, Table, walk
 from workbench.report.stored import CellState, Stored
 from workbench.responses import Finding
 from workbench.scenarios import FrameImpact, FrameStriker

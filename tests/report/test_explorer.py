@@ -23,7 +23,7 @@ from synthetic_study import Synthetic, columns, shared_store_of
 from toy_models import Troubled
 
 from workbench.models.base import Answering, respond
-from workbench.references.refine import refined
+from workbench.models.references.refine import refined
 from workbench.report.chapters.answer import matrix_rows
 from workbench.report.explorer import LARGEST, explorer
 from workbench.report.explorer.cells import FINE, packed
@@ -31,7 +31,7 @@ from workbench.report.stored import Stored
 from workbench.responses import Finding, build_response
 from workbench.responses.uncertainty import uncertainty_of
 from workbench.scenarios import ColumnImpact, ColumnPushover, Striker, UncertainImpact
-from workbench.sections import find
+from workbench.steel.sections import find
 from workbench.study import Case, Study
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")

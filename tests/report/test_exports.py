@@ -14,15 +14,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from workbench.base.errors import InputError
 from workbench.cli import run
-from workbench.errors import InputError
+from workbench.extras.exchange.crate import METADATA, write_crate
+from workbench.extras.exchange.vtk import write_shapes
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.report.build import build_report
-from workbench.report.crate import METADATA, write_crate
 from workbench.report.drawing.shapes import shapes_of
-from workbench.report.vtk import write_shapes
 from workbench.scenarios import load_scenario
 from workbench.study.tables import table_bytes, workbook_bytes
 

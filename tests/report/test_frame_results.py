@@ -12,20 +12,20 @@ from synthetic_frames import SyntheticFrame, frame_study, portal
 from synthetic_study import store_of
 from test_report_figures import request
 
-from workbench.assessment import Gate
-from workbench.content.documents import render_pdf
-from workbench.content.tree import Callout, Document, Listing, Picture, Section, Table, walk
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.report.build import build_report
 from workbench.report.chapters import configuration, limits
 from workbench.report.drawing.sheet import thinned
 from workbench.report.figures import draw
 from workbench.report.gallery import to_svg
+from workbench.report.page.documents import render_pdf
+from workbench.report.page.tree import Callout, Document, Listing, Picture, Section, Table, walk
 from workbench.report.stored import Stored
 from workbench.scenarios import FrameStatic, Load, regular_frame, scenario_from
-from workbench.sections import find
+from workbench.steel.sections import find
 from workbench.study import Case
+from workbench.study.assessment import Gate
 
 
 def test_loops_keep_all_their_reversals(frames):

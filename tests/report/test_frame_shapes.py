@@ -16,7 +16,7 @@ from synthetic_frames import SyntheticFrame, frame_study
 from synthetic_study import store_of
 from test_report_figures import request
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.report.drawing.shapes import (
     INSTANTS,
@@ -36,7 +36,7 @@ from workbench.scenarios import (
     Node,
     regular_frame,
 )
-from workbench.sections import find
+from workbench.steel.sections import find
 from workbench.study import Case
 
 

@@ -26,7 +26,7 @@ from workbench.scenarios import (
     frame_scenario,
     regular_frame,
 )
-from workbench.sections import find
+from workbench.steel.sections import find
 from workbench.study import Case
 
 CASES = ("storeys", "from above", "cycles", "shaken")

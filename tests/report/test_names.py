@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from synthetic_study import small_study, store_of
 
-from workbench.content.terminal import render_text
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.report.build import build_report
 from workbench.report.chapters.answer import in_brief, in_labels
+from workbench.report.page.terminal import render_text
 from workbench.report.stored import Stored
 from workbench.responses import Finding
 from workbench.study import Study

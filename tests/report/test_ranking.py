@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-from workbench.content.terminal import render_text
 from workbench.models.single_dof import SingleDof
 from workbench.report.chapters import choice
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import Look
 from workbench.report.figures import draw
+from workbench.report.page.terminal import render_text
 from workbench.study import Figure
 from workbench.study.chooser import CORRECTED, SURE
 

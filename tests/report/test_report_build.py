@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from workbench.content.documents import render_html
-from workbench.content.tree import Section, walk
-from workbench.errors import InputError, WorkbenchError
+from workbench.base.errors import InputError, WorkbenchError
 from workbench.report.build import build_report, document
 from workbench.report.explorer import explorer
+from workbench.report.page.documents import render_html
+from workbench.report.page.tree import Section, walk
 from workbench.report.stored import Stored
 from workbench.study import assess
 
@@ -209,8 +209,8 @@ def test_cells_that_never_ran_are_told(small, tmp_path):
 
     from synthetic_study import Synthetic
 
-    from workbench.content.tree import Table
     from workbench.report.chapters.limits import missing
+    from workbench.report.page.tree import Table
 
     peaks = tuple(figure for figure in small.study.figures if figure.kind == "peaks")
     models = {**small.study.models, "late": Synthetic(gain=2.0)}

@@ -10,13 +10,13 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from synthetic_study import Synthetic, columns, small_study, store_of
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.report.drawing.sheet import Request, Sheet, thinned
 from workbench.report.drawing.style import PALETTE, house_style, looks, settle
 from workbench.report.figures import KINDS, draw
 from workbench.report.gallery import cases_of, figures_of, to_csv, to_svg
 from workbench.scenarios import ColumnImpact, ColumnPushover, Striker
-from workbench.sections import circular_tube, find, rectangular_tube, square
+from workbench.steel.sections import circular_tube, find, rectangular_tube, square
 from workbench.study import Case, Figure
 
 

@@ -10,19 +10,19 @@ import pandas as pd
 import pytest
 from synthetic_study import shared_store_of, store_of
 
-from workbench.assessment import Gate
-from workbench.content.bibliography import bibliography
-from workbench.content.tree import Bullets, Callout, Table, walk
 from workbench.report.build import build_report
 from workbench.report.chapters import stud_study
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
 from workbench.report.gallery import cases_of, figures_of, to_svg
+from workbench.report.page.bibliography import bibliography
+from workbench.report.page.tree import Bullets, Callout, Table, walk
 from workbench.report.stored import Stored
 from workbench.scenarios import StudTests
 from workbench.studs.answers import StudMeasured, StudResidual
 from workbench.study import Case, Figure, Study, assess, load_study
+from workbench.study.assessment import Gate
 
 STUDY = Path(__file__).resolve().parents[2] / "studies" / "studs.py"
 GRADE = "mechanical prediction, not validated by tests after pre-damage"

@@ -8,11 +8,11 @@ import pandas as pd
 import pytest
 from toy_models import Spring
 
-from workbench.assessment.budget import PEAK, RESIDUAL
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.report.chapters.answer import decisive
 from workbench.report.chapters.choice import details, first, trusted
 from workbench.study import Figure
+from workbench.study.assessment.budget import PEAK, RESIDUAL
 from workbench.study.matrix import MATRIX_COLUMNS, pooled
 
 MODELS = dict.fromkeys(("near", "far", "sure"), Spring()) | {"anchor": FlexibleSuperelement()}

@@ -10,10 +10,10 @@ import pytest
 from toy_models import Troubled
 
 from workbench.cli.studies import gate_objects
-from workbench.content.tree import Callout, Table
 from workbench.report.build import summary
 from workbench.report.chapters.limits import collapses, missing
 from workbench.report.chapters.verdicts import verdicts
+from workbench.report.page.tree import Callout, Table
 from workbench.report.stored import Stored
 from workbench.study import Assessment, Gate, Study, assess, run_study
 

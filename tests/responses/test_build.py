@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from workbench.errors import WorkbenchError
+from workbench.base.errors import WorkbenchError
 from workbench.responses import (
     Finding,
     Outcome,

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.scenarios import Column, ColumnPushover
-from workbench.sections import find
+from workbench.steel.sections import find
 
 COLUMN = Column(find("HEB 220"), 0.8, 3.2)
 

@@ -17,8 +17,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenario_tables import SCENARIOS
 
-from workbench.datafiles import data_directory
-from workbench.errors import InputError
+from workbench.base.datafiles import data_directory
+from workbench.base.errors import InputError
 from workbench.scenarios import (
     Column,
     ColumnImpact,
@@ -29,7 +29,7 @@ from workbench.scenarios import (
     scenario_hash,
     to_toml,
 )
-from workbench.sections import find, square
+from workbench.steel.sections import find, square
 
 GOOD = """
 kind = "column-impact"

@@ -13,8 +13,7 @@ from builders import examples
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.errors import InputError
-from workbench.materials import Steel
+from workbench.base.errors import InputError
 from workbench.scenarios import (
     Column,
     Frame,
@@ -30,7 +29,8 @@ from workbench.scenarios import (
     regular_frame,
 )
 from workbench.scenarios.parts import HELD
-from workbench.sections import find, square
+from workbench.steel.materials import Steel
+from workbench.steel.sections import find, square
 
 SECTION = find("HEB 220")
 

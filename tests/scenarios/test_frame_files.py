@@ -11,10 +11,10 @@ from builders import examples
 from hypothesis import given
 from hypothesis import strategies as st
 
+from workbench.base.datafiles import data_directory
+from workbench.base.errors import InputError
 from workbench.cli import run
-from workbench.datafiles import data_directory
-from workbench.errors import InputError
-from workbench.registry import make_model, model_names
+from workbench.models.registry import make_model, model_names
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import (
     Frame,
@@ -31,7 +31,7 @@ from workbench.scenarios import (
     scenario_hash,
     to_toml,
 )
-from workbench.sections import find, square
+from workbench.steel.sections import find, square
 
 REGULAR = """
 kind = "frame-impact"

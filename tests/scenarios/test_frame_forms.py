@@ -24,7 +24,7 @@ from workbench.scenarios import (
     scenario_from,
     to_toml,
 )
-from workbench.sections import find, square
+from workbench.steel.sections import find, square
 
 HEADS = {"guided": ("u", "rotation"), "pinned": ("u",), "fixed": ("u", "rotation")}
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.scenarios.load_histories import missile_of, missile_pulse, near_fault_motion
 
 # nose, cabin, engines and wings, tail: numbers of nothing that flies

@@ -10,7 +10,7 @@ import pytest
 from builders import portal
 from scipy.integrate import quad
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.scenarios import (
     ColumnImpact,
     FramePulse,

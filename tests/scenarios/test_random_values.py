@@ -15,10 +15,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenario_tables import SCENARIOS, places, put
 
+from workbench.base.errors import InputError
 from workbench.cli import main
-from workbench.errors import InputError
 from workbench.models.base import with_options
-from workbench.registry import model_kind, model_names
+from workbench.models.registry import model_kind, model_names
 from workbench.scenarios import load_scenario, scenario_from, scenario_hash, to_toml
 
 PLACES = [(name, place) for name, tables in SCENARIOS.items() for place in places(tables)]

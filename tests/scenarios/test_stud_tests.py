@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.scenarios import StudTests, load_scenario, scenario_from, scenario_hash, to_toml
 
 SPLIT = StudTests("split", calibrate=("provines2019",), validate=("lehigh279",))

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from workbench.datafiles import data_directory
-from workbench.sections import Section, find, names
+from workbench.base.datafiles import data_directory
+from workbench.steel.sections import Section, find, names
 
 TABLE = data_directory() / "profiles" / "european_profiles.csv"
 ROLLED = TABLE.with_name("rolled_profiles.csv")

@@ -6,9 +6,9 @@ from math import pi
 import numpy as np
 import pytest
 
-from workbench.errors import InputError
-from workbench.materials import Steel
-from workbench.sections import (
+from workbench.base.errors import InputError
+from workbench.steel.materials import Steel
+from workbench.steel.sections import (
     CircularTube,
     Section,
     circular_tube,

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from workbench.errors import InputError
-from workbench.sections import (
+from workbench.base.errors import InputError
+from workbench.steel.sections import (
     Section,
     circular_tube,
     find,

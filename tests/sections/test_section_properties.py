@@ -9,7 +9,7 @@ from builders import examples
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.sections import (
+from workbench.steel.sections import (
     Section,
     circular_tube,
     find,

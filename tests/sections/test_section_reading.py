@@ -4,8 +4,8 @@ import time
 
 import pytest
 
-from workbench.errors import InputError
-from workbench.sections import (
+from workbench.base.errors import InputError
+from workbench.steel.sections import (
     Section,
     circular_tube,
     find,

@@ -11,11 +11,18 @@ from scipy.linalg import eigh
 from scipy.sparse import coo_array, diags_array
 from scipy.sparse.linalg import spsolve
 
-from workbench.errors import OutOfDomainError
-from workbench.materials import Steel
-from workbench.sections import ISection, circular_tube, find, i_section, rectangular_tube, square
-from workbench.sections.section import Section
-from workbench.sections.slenderness import (
+from workbench.base.errors import OutOfDomainError
+from workbench.steel.materials import Steel
+from workbench.steel.sections import (
+    ISection,
+    circular_tube,
+    find,
+    i_section,
+    rectangular_tube,
+    square,
+)
+from workbench.steel.sections.section import Section
+from workbench.steel.sections.slenderness import (
     Classes,
     lateral_torsional,
     plate_classes,

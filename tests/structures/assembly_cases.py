@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.elements import Bars
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.elements import Bars
 
 
 def alone(group: Any, length: float) -> Any:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fibers import BeamSection
-from workbench.structures.fibers.beams import FiberBeams, radau_rule
-from workbench.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.fibers import BeamSection
+from workbench.mechanics.structures.fibers.beams import FiberBeams, radau_rule
+from workbench.mechanics.structures.fibers.section import LinearHardening
 
 E_STEEL, YIELD = 210e9, 355e6
 KINDS = {

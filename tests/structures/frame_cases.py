@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 from reissner_cases import square
 
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fibers import BeamSection
-from workbench.structures.fibers.beams import ReissnerBeams
-from workbench.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.fibers import BeamSection
+from workbench.mechanics.structures.fibers.beams import ReissnerBeams
+from workbench.mechanics.structures.fibers.section import LinearHardening
 
 HEIGHT, SPAN = 4.0, 6.0
 

@@ -6,15 +6,15 @@ from itertools import pairwise
 
 import numpy as np
 
-from workbench.materials import MILD_STEEL
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fibers import BeamSection
-from workbench.structures.fibers.beams import ReissnerBeams
-from workbench.structures.fibers.section import (
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.fibers import BeamSection
+from workbench.mechanics.structures.fibers.beams import ReissnerBeams
+from workbench.mechanics.structures.fibers.section import (
     LinearHardening,
     MenegottoPinto,
     ShearYielding,
 )
+from workbench.steel.materials import MILD_STEEL
 
 E, FY, SIDE, LAYERS = 210e9, 355e6, 0.2, 20
 G = E / 2.6

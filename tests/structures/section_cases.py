@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from workbench.structures.fibers import BeamSection, kernels
-from workbench.structures.fibers.section import section_tables
+from workbench.mechanics.structures.fibers import BeamSection, kernels
+from workbench.mechanics.structures.fibers.section import section_tables
 
 
 def response(section: BeamSection, strain: float, curvature: float, old: np.ndarray):

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from workbench.hinges import YieldSurface
-from workbench.materials import Steel
-from workbench.sections import find
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.paths import apply_loads
-from workbench.structures.superelements import (
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.paths import apply_loads
+from workbench.mechanics.structures.superelements import (
     HingeEnd,
     Superelement,
     Superelements,
     sway_stiffness,
 )
-from workbench.structures.superelements.march import CollapseLimits
+from workbench.mechanics.structures.superelements.march import CollapseLimits
+from workbench.steel.hinges import YieldSurface
+from workbench.steel.materials import Steel
+from workbench.steel.sections import find
 
 # the thesis takes strength from the plates alone and elastic stiffness with the fillets
 FULL, PLATES = find("HEB 220"), find("HEB 220").without_fillets()

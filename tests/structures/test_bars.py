@@ -11,10 +11,8 @@ import pytest
 from assembly_cases import alone
 from superelement_cases import EA, EI, MP, NP, PLATES
 
-from workbench.arrays import Array
-from workbench.hinges.interaction import polyline
-from workbench.hinges.pair_kernels import Pair, project_pair
-from workbench.structures.bars import (
+from workbench.base.arrays import Array
+from workbench.mechanics.structures.bars import (
     NO_INTERACTION,
     Bar,
     BarElements,
@@ -22,6 +20,8 @@ from workbench.structures.bars import (
     hinged_bars,
     kernels,
 )
+from workbench.steel.hinges.interaction import polyline
+from workbench.steel.hinges.pair_kernels import Pair, project_pair
 
 LENGTH = 4.0
 YIELD = np.array([NP * LENGTH / EA, MP * LENGTH / (3.0 * EI), MP * LENGTH / (3.0 * EI)])

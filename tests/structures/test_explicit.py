@@ -7,14 +7,14 @@ import pytest
 from collision import collide
 from reissner_cases import SIDE, E, G, elastic, square, straight
 
-from workbench.errors import SolverError
-from workbench.structures import explicit
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.explicit import explicit_impact, stable_step
-from workbench.structures.fibers import BeamSection
-from workbench.structures.fibers.beams import FiberBeams
-from workbench.structures.fibers.section import LinearHardening
-from workbench.structures.impact import PointMass, impact
+from workbench.base.errors import SolverError
+from workbench.mechanics.structures import explicit
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.explicit import explicit_impact, stable_step
+from workbench.mechanics.structures.fibers import BeamSection
+from workbench.mechanics.structures.fibers.beams import FiberBeams
+from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.impact import PointMass, impact
 
 SPAN = 3.0
 

@@ -7,9 +7,7 @@ import pytest
 from assembly_cases import alone
 from superelement_cases import NP
 
-from workbench.hinges.interaction import polyline
-from workbench.sections import square
-from workbench.structures.bars import (
+from workbench.mechanics.structures.bars import (
     Bar,
     BarElements,
     PlasticEnd,
@@ -18,10 +16,12 @@ from workbench.structures.bars import (
     hinge_rule,
     lobatto_rule,
 )
-from workbench.structures.bars import fiber_kernels as kernels
-from workbench.structures.bars.kinds import FiberBarState
-from workbench.structures.fibers import BeamSection
-from workbench.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.bars import fiber_kernels as kernels
+from workbench.mechanics.structures.bars.kinds import FiberBarState
+from workbench.mechanics.structures.fibers import BeamSection
+from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.steel.hinges.interaction import polyline
+from workbench.steel.sections import square
 
 LENGTH, SHEAR, JOINT = 3.0, 2e8, 5e7
 E, FY = 210e9, 355e6

@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from section_cases import response
 
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fibers import BeamSection
-from workbench.structures.fibers.beams import FiberBeams, gauss_rule, radau_rule
-from workbench.structures.fibers.section import LinearHardening
-from workbench.structures.paths import apply_loads, push
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.fibers import BeamSection
+from workbench.mechanics.structures.fibers.beams import FiberBeams, gauss_rule, radau_rule
+from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.paths import apply_loads, push
 
 SCALE = np.array([1e-3, 1e-3, 6e-3])  # displacements (m) and rotations that make fibers yield
 

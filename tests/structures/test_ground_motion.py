@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from workbench.errors import SolverError
+from workbench.base.errors import SolverError
+from workbench.mechanics.structures import time_steps
+from workbench.mechanics.structures.paths import apply_loads
+from workbench.mechanics.structures.time_steps import TimeStep, follow_force, rigid_displacement
 from workbench.scenarios.pulse import line_integral
-from workbench.structures import time_steps
-from workbench.structures.paths import apply_loads
-from workbench.structures.time_steps import TimeStep, follow_force, rigid_displacement
 
 STIFFNESS = 210e9 * 1e-3 / 2.0  # of the bar, N/m
 

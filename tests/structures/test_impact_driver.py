@@ -9,13 +9,13 @@ from beam_cases import E_STEEL, KINDS, chain, clamp, of_kind, rectangle
 from collision import collide
 from test_statics import ELASTIC
 
-from workbench.errors import SolverError
-from workbench.sections import find
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fibers import BeamSection
-from workbench.structures.fibers.beams import FiberBeams
-from workbench.structures.fibers.section import LinearHardening
-from workbench.structures.impact import PointMass, impact
+from workbench.base.errors import SolverError
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.fibers import BeamSection
+from workbench.mechanics.structures.fibers.beams import FiberBeams
+from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.impact import PointMass, impact
+from workbench.steel.sections import find
 
 FAR = PointMass(1.0, 0.0, position=-100.0)  # a striker that never arrives
 

@@ -13,13 +13,13 @@ from reissner_cases import elastic, straight
 from scipy.optimize import brentq
 from test_impact_driver import clamped_column
 
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.explicit import explicit_impact
-from workbench.structures.fibers import BeamSection
-from workbench.structures.fibers.beams import ReissnerBeams
-from workbench.structures.fibers.section import LinearHardening
-from workbench.structures.impact import INTEGRATORS, PointMass, TimeStep, impact
-from workbench.structures.paths import apply_loads
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.explicit import explicit_impact
+from workbench.mechanics.structures.fibers import BeamSection
+from workbench.mechanics.structures.fibers.beams import ReissnerBeams
+from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.impact import INTEGRATORS, PointMass, TimeStep, impact
+from workbench.mechanics.structures.paths import apply_loads
 
 GGL = "gear-gupta-leimkuhler"
 STIFFNESS = 210e9 * 1e-3 / 2.0  # of the bar, N/m

@@ -7,10 +7,10 @@ import pytest
 from assembly_cases import full_tangent
 from beam_cases import E_STEEL, clamp, rectangle
 
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.elements import JointSprings
-from workbench.structures.fibers.beams import FiberBeams
-from workbench.structures.paths import apply_loads, push
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.elements import JointSprings
+from workbench.mechanics.structures.fibers.beams import FiberBeams
+from workbench.mechanics.structures.paths import apply_loads, push
 
 SLIM = rectangle(yield_stress=1e12)
 BENDING = E_STEEL * float(np.sum(SLIM.y**2 * SLIM.area))

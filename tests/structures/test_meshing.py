@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.structures.assembly import graded_lengths, halved
+from workbench.mechanics.structures.assembly import graded_lengths, halved
 
 
 @given(st.floats(0.1, 20.0), st.floats(0.002, 0.5), st.floats(0.01, 10.0))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from workbench.structures.equilibrium import newton
+from workbench.mechanics.structures.equilibrium import newton
 
 
 def scalar(residual, slope):

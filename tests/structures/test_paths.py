@@ -11,9 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from reissner_cases import FY, SIDE, E, chain, elastic, square, straight
 
-from workbench.errors import InputError, SolverError
-from workbench.structures.fibers.section import LinearHardening
-from workbench.structures.paths import PathStep, apply_loads, follow_displacement, follow_load, push
+from workbench.base.errors import InputError, SolverError
+from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.paths import (
+    PathStep,
+    apply_loads,
+    follow_displacement,
+    follow_load,
+    push,
+)
 
 PLASTIC_MOMENT = 0.25 * FY * SIDE**3
 

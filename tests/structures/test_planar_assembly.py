@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from beam_cases import chain, clamp, rectangle
 
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fibers.beams import FiberBeams
-from workbench.structures.paths import apply_loads
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.fibers.beams import FiberBeams
+from workbench.mechanics.structures.paths import apply_loads
 
 
 def dense(assembly, band):

@@ -10,10 +10,10 @@ from assembly_cases import alone
 from scipy.optimize import brentq
 from superelement_cases import EA, EI, MP, NP
 
-from workbench.hinges.interaction import polyline
-from workbench.sections import find
-from workbench.structures.bars import Bar, PlasticEnd, beam_kernels, refined_bars
-from workbench.structures.bars.kinds import RefinedState, RefinedTables
+from workbench.mechanics.structures.bars import Bar, PlasticEnd, beam_kernels, refined_bars
+from workbench.mechanics.structures.bars.kinds import RefinedState, RefinedTables
+from workbench.steel.hinges.interaction import polyline
+from workbench.steel.sections import find
 
 
 def refined(length: float, moment: float = MP) -> RefinedTables:

@@ -21,9 +21,9 @@ from reissner_cases import (
     straight,
 )
 
-from workbench.structures.fibers.beams import ReissnerBeams
-from workbench.structures.impact import PointMass, impact
-from workbench.structures.paths import apply_loads, push
+from workbench.mechanics.structures.fibers.beams import ReissnerBeams
+from workbench.mechanics.structures.impact import PointMass, impact
+from workbench.mechanics.structures.paths import apply_loads, push
 
 KNEE = [[0.0, 0.0], [0.1, 0.03], [0.25, 0.02]]
 PLASTIC_MOMENT = FY * SIDE**3 / 4.0

@@ -9,8 +9,8 @@ import pytest
 from reissner_cases import thesis_frame
 from threadpoolctl import threadpool_limits
 
-from workbench.structures.explicit import explicit_impact
-from workbench.structures.impact import PointMass, impact
+from workbench.mechanics.structures.explicit import explicit_impact
+from workbench.mechanics.structures.impact import PointMass, impact
 
 STRIKER = PointMass(1500.0, 50.0)
 DURATION = 0.031

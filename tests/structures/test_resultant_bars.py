@@ -13,13 +13,19 @@ from hypothesis import strategies as st
 from superelement_cases import EA, EI, MP, NP
 from test_fiber_bars import law
 
-from workbench.hinges.interaction import polyline
-from workbench.sections import find, square
-from workbench.structures.bars import Bar, BarElements, PlasticEnd, fiber_bars, lobatto_rule
-from workbench.structures.bars import fiber_kernels as kernels
-from workbench.structures.bars.resultant_kernels import STATES, modulus
-from workbench.structures.fibers import BeamSection, section_fibers
-from workbench.structures.fibers.section import LinearHardening, yielding_in_bending
+from workbench.mechanics.structures.bars import (
+    Bar,
+    BarElements,
+    PlasticEnd,
+    fiber_bars,
+    lobatto_rule,
+)
+from workbench.mechanics.structures.bars import fiber_kernels as kernels
+from workbench.mechanics.structures.bars.resultant_kernels import STATES, modulus
+from workbench.mechanics.structures.fibers import BeamSection, section_fibers
+from workbench.mechanics.structures.fibers.section import LinearHardening, yielding_in_bending
+from workbench.steel.hinges.interaction import polyline
+from workbench.steel.sections import find, square
 
 LENGTH, POINTS = 3.0, 5
 SIZE, YIELD = np.array([NP, MP]), np.array([NP / EA, MP / EI])

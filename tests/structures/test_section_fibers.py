@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from section_cases import response
 
-from workbench.sections import find
-from workbench.structures.fibers import BeamSection, section_fibers
-from workbench.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.fibers import BeamSection, section_fibers
+from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.steel.sections import find
 
 E, FY = 210e9, 355e6
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from beam_cases import E_STEEL, KINDS, YIELD, chain, clamp, of_kind, plates, rectangle
 
-from workbench.errors import SolverError
-from workbench.structures.assembly import graded_lengths
-from workbench.structures.paths import apply_loads, push
+from workbench.base.errors import SolverError
+from workbench.mechanics.structures.assembly import graded_lengths
+from workbench.mechanics.structures.paths import apply_loads, push
 
 ELASTIC = 1e12  # yield stress that is never reached, Pa
 INERTIA = 2 * np.sum(rectangle(layers=20).y[10:] ** 2 * rectangle(layers=20).area[10:])

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from superelement_cases import chain, thesis_column
 
-from workbench.structures.impact import PointMass, impact
-from workbench.structures.paths import push
+from workbench.mechanics.structures.impact import PointMass, impact
+from workbench.mechanics.structures.paths import push
 
 STRIKER = 1500.0  # kg
 AT = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7)  # m

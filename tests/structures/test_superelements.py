@@ -22,21 +22,25 @@ from superelement_cases import (
     chain,
 )
 
-from workbench.hinges import ShearSurface, YieldSurface
-from workbench.hinges.panel_kernels import WEB
-from workbench.hinges.rate import bar_law, panel_law
-from workbench.materials import MILD_STEEL, Steel
-from workbench.sections import find
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.paths import apply_loads
-from workbench.structures.superelements import (
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.paths import apply_loads
+from workbench.mechanics.structures.superelements import (
     HingeEnd,
     Superelement,
     Superelements,
     kernels,
     sway_stiffness,
 )
-from workbench.structures.superelements.group import HingeTables, SuperelementState, scratch
+from workbench.mechanics.structures.superelements.group import (
+    HingeTables,
+    SuperelementState,
+    scratch,
+)
+from workbench.steel.hinges import ShearSurface, YieldSurface
+from workbench.steel.hinges.panel_kernels import WEB
+from workbench.steel.hinges.rate import bar_law, panel_law
+from workbench.steel.materials import MILD_STEEL, Steel
+from workbench.steel.sections import find
 
 FIRST_ORDER = {"first_order": True, "exponents": (1.0, 1.3), "flexible": True}
 GEOMETRIES = {**VARIANTS, "first order": FIRST_ORDER}

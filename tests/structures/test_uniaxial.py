@@ -9,12 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from section_cases import stress_path
 
-from workbench.errors import InputError
-from workbench.materials import MILD_STEEL, CowperSymonds
-from workbench.structures.fibers.section import (
+from workbench.base.errors import InputError
+from workbench.mechanics.structures.fibers.section import (
     LinearHardening,
     MenegottoPinto,
 )
+from workbench.steel.materials import MILD_STEEL, CowperSymonds
 
 E, FY = 210e9, 355e6
 YIELD = FY / E

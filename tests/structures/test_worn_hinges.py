@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from superelement_cases import EA, EI, MP, NP, PLATES
 
-from workbench.hinges.interaction import polyline
-from workbench.structures.bars import Bar, BarElements, PlasticEnd, hinged_bars
-from workbench.structures.elements import Bars, Step
+from workbench.mechanics.structures.bars import Bar, BarElements, PlasticEnd, hinged_bars
+from workbench.mechanics.structures.elements import Bars, Step
+from workbench.steel.hinges.interaction import polyline
 
 LENGTH = 4.0
 

@@ -6,8 +6,8 @@ from pathlib import Path
 from textwrap import dedent
 
 import workbench
-from workbench.evidence.advice import advise
 from workbench.scenarios import to_toml
+from workbench.study.error_model.advice import advise
 
 GUIDE = Path(workbench.__file__).parents[1] / "docs" / "user-guide.md"
 

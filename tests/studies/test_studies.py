@@ -91,7 +91,7 @@ def test_the_study_of_the_guide_is_one(tmp_path: Path, monkeypatch: pytest.Monke
     guide = (STUDIES.parent / "docs" / "user-guide.md").read_text(encoding="utf-8")
     scenario = indented(readme, '    kind = "column-impact"', "Blasts, frames,")
     (tmp_path / "scenario.toml").write_text(scenario, encoding="utf-8")
-    text = indented(guide, "    from workbench.assessment import Gate", "Kinds of figures:")
+    text = indented(guide, "    from workbench.study.assessment import Gate", "Kinds of figures:")
     (tmp_path / "mine.py").write_text(text, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     study = load_study("mine.py").study

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.responses.uncertainty import sampled_interval
 from workbench.scenarios import StudTests

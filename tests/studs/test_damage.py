@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from workbench.base.errors import InputError
 from workbench.cli import run
-from workbench.errors import InputError
 from workbench.studs import TESTS, fit_residual
 from workbench.studs.damaged import (
     Grade,

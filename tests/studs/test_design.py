@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from workbench.base.errors import InputError
 from workbench.cli import run
-from workbench.errors import InputError
 from workbench.studs import fit_residual, fit_strength
 from workbench.studs.formulas import SHEAR_MODELS
 from workbench.studs.interaction import fit_interaction, log_reach

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from workbench.base.errors import InputError
 from workbench.cli import run
-from workbench.errors import InputError
 from workbench.studs import TESTS, fit_factors, fit_strength
 from workbench.studs.formulas import FORMULAS, SHEAR_MODELS, TENSION_MODELS
 from workbench.studs.quantities import Specimens, specimens

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
-from workbench.errors import InputError, OutOfDomainError
+from workbench.base.errors import InputError, OutOfDomainError
 from workbench.studs import (
     LAWS,
     BilinearLaw,

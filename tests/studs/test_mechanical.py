@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.errors import InputError, OutOfDomainError
-from workbench.structures.paths import push
+from workbench.base.errors import InputError, OutOfDomainError
+from workbench.mechanics.structures.paths import push
 from workbench.studs import Grade, fit_residual
 from workbench.studs.fit_protocol import plain
 from workbench.studs.mechanical import (

@@ -8,7 +8,7 @@ from math import erf, sqrt
 import numpy as np
 import pytest
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.studs.statistics.intervals import (
     Interval,
     freedom_of,

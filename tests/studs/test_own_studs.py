@@ -9,8 +9,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from workbench.base.errors import InputError
 from workbench.cli import run
-from workbench.errors import InputError
 from workbench.studs import TESTS
 from workbench.studs.mechanical import MechanicalFit, Stud, Surroundings, residual_curve, studs_of
 from workbench.studs.mechanical.calibration import complete_rows

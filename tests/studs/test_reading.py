@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from workbench.datafiles import LARGEST_FILE
-from workbench.errors import InputError
-from workbench.intake import check_file
+from workbench.base.datafiles import LARGEST_FILE
+from workbench.base.errors import InputError
+from workbench.extras.intake import check_file
 from workbench.scenarios import load_scenario
 from workbench.studs import POINTS, TESTS, examine, read_tests
 from workbench.studs.reading import from_frame, read_text
@@ -248,7 +248,7 @@ def test_frames_and_texts_pass_the_same_checks() -> None:
 
 
 def test_the_size_is_counted_where_it_is_not_known(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("workbench.tables.LARGEST_FILE", 200)
+    monkeypatch.setattr("workbench.base.tables.LARGEST_FILE", 200)
     with pytest.raises(InputError, match="the file exceeds"):
         read_text(HEADER + "\n" + "\n".join([GOOD] * 10), TESTS)
 

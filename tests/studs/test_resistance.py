@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.studs import INTERACTIONS, SHEAR_MODELS, strength_formula
 from workbench.studs.formulas import Formula, characteristic_strength
 from workbench.studs.quantities import concrete_modulus, specimens

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.studs import POINTS, TESTS, evaluate_d8, evaluate_groups, evaluate_series
 from workbench.studs.reading import read_text
 from workbench.studs.series import slip_capacity

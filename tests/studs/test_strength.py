@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.studs import SHEAR_MODELS, TESTS, StrengthFit, fit_factors, fit_strength
 from workbench.studs.fit_protocol import plain
 from workbench.studs.quantities import specimens, undamaged_headed_studs

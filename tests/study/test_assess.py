@@ -11,14 +11,14 @@ import pandas as pd
 import pytest
 from toy_models import Spring, Troubled
 
-from workbench.assessment import METRICS, Scope
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.models.base import respond
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.single_dof import SingleDof
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
 from workbench.study import Case, Gate, Store, Study, assess, cells_of, run_study, survey
+from workbench.study.assessment import METRICS, Scope
 from workbench.study.tables import (
     counts,
     csv_bytes,

@@ -9,14 +9,14 @@ import pandas as pd
 import pytest
 from toy_models import Spring
 
-from workbench.evidence.error_table import COLUMNS, ends_of
-from workbench.materials import GRADES
 from workbench.models.strain_rate import with_rate
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.responses import Outcome
 from workbench.scenarios import ColumnImpact
+from workbench.steel.materials import GRADES
 from workbench.study import Case, Study
 from workbench.study.chooser import CORRECTED, FEWEST, QUICK, SURE, error_tables
+from workbench.study.error_model.error_table import COLUMNS, ends_of
 from workbench.study.tables import table, texts
 
 COUNT = 60

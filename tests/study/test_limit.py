@@ -8,7 +8,7 @@ from typing import ClassVar
 import pytest
 from toy_models import Troubled
 
-from workbench.errors import SolverError
+from workbench.base.errors import SolverError
 from workbench.models.four_dof import FourDof
 from workbench.responses import Response, survives
 from workbench.scenarios import ColumnImpact

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.study import load_study, run_study
 
 STUDY = """
     from dataclasses import dataclass
     from toy_models import Spring
-    from workbench.datafiles import data_directory
+    from workbench.base.datafiles import data_directory
     from workbench.scenarios import load_scenario
     from workbench.study import Case, Study
 
@@ -72,7 +72,7 @@ def test_an_unknown_name_has_the_nearest_known_one(
         ("leaves", "x = 1\nraise SystemExit(2)\n", "line 2: SystemExit: 2"),
         (
             "invalid",
-            "from workbench.errors import InputError\nraise InputError('a.b', 1, 'must be 2')\n",
+            "from workbench.base.errors import InputError\nraise InputError('a.b', 1, 'must be 2')\n",
             "a.b = 1: must be 2",
         ),
     ],

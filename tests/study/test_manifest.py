@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from toy_models import Spring
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.scenarios import ColumnImpact
 from workbench.study import Case, Store, Study, cells_of, run_study, survey
 from workbench.study.cells import ingredients_of, key_of

@@ -12,13 +12,13 @@ import pandas as pd
 import pytest
 from toy_models import Spring, Troubled
 
-from workbench.assessment import Gate
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.models.hinged_frames import PlasticHinge
 from workbench.responses import Finding
 from workbench.scenarios import ColumnPushover, FrameStatic, Load, Scenario, regular_frame
-from workbench.sections import square
+from workbench.steel.sections import square
 from workbench.study import Assessment, Case, Study, assess, cells_of, run_study
+from workbench.study.assessment import Gate
 from workbench.study.cells import perform, task_of
 
 

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 from toy_models import Spring
 
-from workbench.assessment import Gate
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.scenarios import ColumnImpact
 from workbench.study import Case, Figure, Study
+from workbench.study.assessment import Gate
 
 GATE = Gate("b", "a", "peak_displacement", "relative_error", 0.05, "why", "where")
 FIGURE = Figure("history", "history", "title", "caption")

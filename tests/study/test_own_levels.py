@@ -11,9 +11,9 @@ import pandas as pd
 import pytest
 from toy_models import Spring
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.models.base import respond
-from workbench.references.refine import refined
+from workbench.models.references.refine import refined
 from workbench.study import Case, Gate, Study, assess, run_study
 
 EXACT = 15.0 / (5e6 / 1500.0) ** 0.5

@@ -16,7 +16,7 @@ import pytest
 import xarray as xr
 from toy_models import Spring
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.models.four_dof import FourDof
 from workbench.report.build import build_report
 from workbench.report.stored import Stored

@@ -8,19 +8,19 @@ import pandas as pd
 import pytest
 from toy_models import Spring
 
-from workbench.assessment.budget import TOTAL
-from workbench.assessment.variations import RATED, STATIC
-from workbench.content.terminal import render_text
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.report.chapters.answer import in_brief
 from workbench.report.chapters.budgets import budget_tables, budgets
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
 from workbench.report.gallery import figures_of
+from workbench.report.page.terminal import render_text
 from workbench.report.stored import Stored
 from workbench.scenarios import ColumnImpact
 from workbench.study import Budget, Case, Store, Study, assess, cells_of, run_study
+from workbench.study.assessment.budget import TOTAL
+from workbench.study.assessment.variations import RATED, STATIC
 
 
 @pytest.fixture(scope="module")

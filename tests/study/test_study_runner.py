@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from toy_models import Spring, Troubled
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import ColumnImpact
 from workbench.study import Case, State, Store, Study, cells_of, gather, run_study, survey
@@ -300,7 +300,7 @@ def test_slashes_in_names(toy_study: Study, tmp_path: Path, thesis_impact: Colum
 def test_workers_that_cannot_start_end_the_run_with_a_reason(
     toy_study: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from workbench.errors import WorkbenchError
+    from workbench.base.errors import WorkbenchError
 
     task = dataclasses.replace(task_of(cells_of(toy_study)[0]), payload=b"cnowhere\nNothing\n.")
     with pytest.raises(WorkbenchError, match="cannot handle its cell: ModuleNotFoundError"):

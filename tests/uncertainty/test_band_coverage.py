@@ -11,7 +11,11 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from workbench.uncertainty.fragility_curve import Population, fragility_curve, place_references
+from workbench.extras.uncertainty.fragility_curve import (
+    Population,
+    fragility_curve,
+    place_references,
+)
 
 MEASURED = np.loadtxt(Path(__file__).with_name("fiber_truth.csv"), delimiter=",", skiprows=1)
 NEIGHBOURS = 16

@@ -15,11 +15,11 @@ import pandas as pd
 import pytest
 from builders import UNCERTAIN
 
+from workbench.base.errors import WorkbenchError
 from workbench.cli import run
-from workbench.errors import WorkbenchError
+from workbench.extras.uncertainty.chunks import Question, Span
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.single_dof import SingleDof
-from workbench.uncertainty.chunks import Question, Span
 
 # one in some samples collapses, one in some is refused, one input is a text
 SECTION = '{ discrete = { values = ["HEB 220", "HEA 240"], weights = [1.0, 1.0] } }'
@@ -32,8 +32,8 @@ ASKED = ("--model", "single-dof", "--jobs", "1", "--samples", "450", "--first", 
 @pytest.fixture
 def asked(tmp_path, monkeypatch):
     """Arguments that ask for samples, in chunks of 100."""
-    monkeypatch.setattr("workbench.uncertainty.chunks.STACKED", 100)
-    monkeypatch.setattr("workbench.uncertainty.chunks.ALONE", 100)
+    monkeypatch.setattr("workbench.extras.uncertainty.chunks.STACKED", 100)
+    monkeypatch.setattr("workbench.extras.uncertainty.chunks.ALONE", 100)
     path = tmp_path / "column.toml"
     path.write_text(TEXT)
     return ["sample", str(path), *ASKED]
@@ -77,7 +77,7 @@ def test_slices_make_the_same_table(asked, tmp_path, ending):
 @pytest.mark.parametrize("stacked", [True, False])
 def test_threads_and_processes_make_the_same_table(asked, whole, tmp_path, monkeypatch, stacked):
     if not stacked:
-        monkeypatch.setattr("workbench.uncertainty.chunks.can_stack", lambda *_: False)
+        monkeypatch.setattr("workbench.extras.uncertainty.chunks.can_stack", lambda *_: False)
     out = tmp_path / "answers.csv"
     run([*asked, "--jobs", "2", "--out", str(out)])
     assert out.read_bytes() == whole
@@ -176,7 +176,7 @@ def test_what_an_answer_depends_on_is_in_its_key():
 IN_PROCESSES = """
 import sys
 from workbench.cli import run
-from workbench.uncertainty import chunks
+from workbench.extras.uncertainty import chunks
 chunks.STACKED = chunks.ALONE = 100
 chunks.can_stack = lambda *_: False
 if __name__ == "__main__":

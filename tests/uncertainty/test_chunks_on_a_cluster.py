@@ -59,14 +59,14 @@ def tables_near_and_far(cluster, folder: Path, samples: int) -> list[bytes]:
 
 
 def test_a_cluster_makes_the_same_table(cluster, tmp_path, monkeypatch):
-    monkeypatch.setattr("workbench.uncertainty.chunks.STACKED", 100)
+    monkeypatch.setattr("workbench.extras.uncertainty.chunks.STACKED", 100)
     near, far = tables_near_and_far(cluster, tmp_path, 1000)
     assert far == near
 
 
 @pytest.mark.slow
 def test_workers_killed_at_random_moments_change_nothing(cluster, tmp_path, monkeypatch):
-    monkeypatch.setattr("workbench.uncertainty.chunks.STACKED", 1000)
+    monkeypatch.setattr("workbench.extras.uncertainty.chunks.STACKED", 1000)
     random, over = np.random.default_rng(1), threading.Event()
     killed: list[int] = []
 

@@ -5,10 +5,8 @@ from math import exp, inf, log, nan, sqrt
 import numpy as np
 import pytest
 
-from workbench.errors import InputError
-from workbench.registry import make_model
-from workbench.scenarios import Column, ColumnImpact, Striker
-from workbench.uncertainty.critical_velocity import (
+from workbench.base.errors import InputError
+from workbench.extras.uncertainty.critical_velocity import (
     BY_COLLAPSE,
     NEVER,
     NO_ANSWER,
@@ -21,6 +19,8 @@ from workbench.uncertainty.critical_velocity import (
     ratio_to_reference,
     slopes_at,
 )
+from workbench.models.registry import make_model
+from workbench.scenarios import Column, ColumnImpact, Striker
 
 ENDS = log(1.0), log(100.0)
 

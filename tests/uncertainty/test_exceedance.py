@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from builders import UNCERTAIN
 
-from workbench.errors import InputError
-from workbench.report.chapters.exceedance import in_short
+from workbench.base.errors import InputError
+from workbench.extras.uncertainty.chapter import in_short
+from workbench.extras.uncertainty.exceedance import MEDIAN, Exceedance, half_widths, shares
 from workbench.report.gallery import draw_all
 from workbench.report.stored import Stored
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import UncertainImpact, load_scenario, to_toml
 from workbench.study import Case, Figure, Study, run_study
 from workbench.study.assess import assess
-from workbench.uncertainty.exceedance import MEDIAN, Exceedance, half_widths, shares
 
 TEXT = f"""{UNCERTAIN}mass = {{ lognormal = {{ mean = 1500.0, cov = 0.1 }} }}
 velocity = 10.0

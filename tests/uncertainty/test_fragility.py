@@ -10,15 +10,10 @@ import numpy as np
 import pytest
 from builders import UNCERTAIN
 
+from workbench.base.errors import InputError, WorkbenchError
 from workbench.cli import run
-from workbench.cli.fragility import pair_of
-from workbench.errors import InputError, WorkbenchError
-from workbench.models.four_dof import FourDof
-from workbench.registry import make_model
-from workbench.responses.uncertainty import WIDTHS
-from workbench.scenarios import frame_scenario
-from workbench.uncertainty.certificate import certificate, verify
-from workbench.uncertainty.critical_velocity import (
+from workbench.extras.uncertainty.certificate import certificate, verify
+from workbench.extras.uncertainty.critical_velocity import (
     ALREADY,
     BY_COLLAPSE,
     NEVER,
@@ -28,9 +23,14 @@ from workbench.uncertainty.critical_velocity import (
     Limit,
     critical_velocity,
 )
-from workbench.uncertainty.fragility import fragility
-from workbench.uncertainty.inputs import uncertain_from_text
-from workbench.uncertainty.sample_runs import Sampled, Setup, Target
+from workbench.extras.uncertainty.fragility import fragility
+from workbench.extras.uncertainty.inputs import uncertain_from_text
+from workbench.extras.uncertainty.sample_runs import Sampled, Setup, Target
+from workbench.extras.uncertainty.verbs.fragility import pair_of
+from workbench.models.four_dof import FourDof
+from workbench.models.registry import make_model
+from workbench.responses.uncertainty import WIDTHS
+from workbench.scenarios import frame_scenario
 
 TEXT = f"""{UNCERTAIN}mass = {{ lognormal = {{ mean = 1500.0, cov = 0.1 }} }}
 velocity = 10.0
@@ -251,7 +251,7 @@ def test_the_numerical_part_of_the_band_is_computed_again(monkeypatch):
     assert shift == pytest.approx(0.015 / 1.8, rel=0.3)  # what the finer mesh takes off the peak
     assert len(found.finer.runs) == 4
     known = {model.name: model for model in pair}
-    monkeypatch.setattr("workbench.uncertainty.certificate.make_model", known.get)
+    monkeypatch.setattr("workbench.extras.uncertainty.certificate.make_model", known.get)
     content = json.loads(json.dumps(certificate(found), allow_nan=False))
     sound = verify(content, seed=3)
     assert sound.holds

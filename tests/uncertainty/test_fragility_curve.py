@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from workbench.errors import InputError
-from workbench.uncertainty.critical_ratio import columns_of, learn
-from workbench.uncertainty.fragility_curve import Population, fragility_curve, place_references
+from workbench.base.errors import InputError
+from workbench.extras.uncertainty.critical_ratio import columns_of, learn
+from workbench.extras.uncertainty.fragility_curve import (
+    Population,
+    fragility_curve,
+    place_references,
+)
 
 # y ~ N(mean, spread), e = bias + bend t + scatter: F(u) is a normal distribution function
 MEAN, SPREAD, BIAS, BEND, SCATTER = 2.7, 0.065, -0.02, 0.01, 0.015

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.errors import InputError
-from workbench.uncertainty.distributions import distribution_of
-from workbench.uncertainty.inputs import load_uncertain, uncertain_from_text
+from workbench.base.errors import InputError
+from workbench.extras.uncertainty.distributions import distribution_of
+from workbench.extras.uncertainty.inputs import load_uncertain, uncertain_from_text
 
 COLUMN = """
 kind = "column-impact"

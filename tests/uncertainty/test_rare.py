@@ -12,12 +12,12 @@ from builders import UNCERTAIN
 from scipy.special import ndtr
 from scipy.stats import chi2
 
+from workbench.base.errors import InputError, WorkbenchError
 from workbench.cli import run
-from workbench.errors import InputError, WorkbenchError
-from workbench.registry import make_model
-from workbench.uncertainty.critical_velocity import Limit
-from workbench.uncertainty.inputs import uncertain_from_text
-from workbench.uncertainty.rare import Mixture, Struck, rare_probability
+from workbench.extras.uncertainty.critical_velocity import Limit
+from workbench.extras.uncertainty.inputs import uncertain_from_text
+from workbench.extras.uncertainty.rare import Mixture, Struck, rare_probability
+from workbench.models.registry import make_model
 
 
 class Closed:

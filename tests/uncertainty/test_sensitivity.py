@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from workbench.errors import InputError
-from workbench.uncertainty.inputs import sobol_scores
-from workbench.uncertainty.sensitivity import sobol_indices
+from workbench.base.errors import InputError
+from workbench.extras.uncertainty.inputs import sobol_scores
+from workbench.extras.uncertainty.sensitivity import sobol_indices
 
 ROWS = 1024
 # Ishigami and Homma (1990), a = 7, b = 0.1: exact

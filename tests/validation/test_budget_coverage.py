@@ -11,14 +11,14 @@ import pytest
 from scipy.stats import qmc
 
 import workbench
-from workbench.assessment.budget import MODEL_FORM, PEAK, REFERENCE, TOTAL, Term
-from workbench.assessment.variations import Budget
-from workbench.evidence.error_model import expected_error
 from workbench.models.base import Model
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.responses import Response
 from workbench.scenarios import ColumnImpact
+from workbench.study.assessment.budget import MODEL_FORM, PEAK, REFERENCE, TOTAL, Term
+from workbench.study.assessment.variations import Budget
+from workbench.study.error_model.error_model import expected_error
 
 STUDY = Path(workbench.__file__).parents[1] / "studies" / "shear_columns.py"
 COUNT, SLOW, SEED = 20, 3, 2029  # the study draws with 2026; two others shaped the regions

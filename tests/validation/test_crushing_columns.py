@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from workbench.models.domain import euler_load, shear_demand
-from workbench.registry import make_model
+from workbench.models.registry import make_model
 from workbench.scenarios import Column, ColumnImpact, Striker
-from workbench.sections import find
+from workbench.steel.sections import find
 
 SEED, COLUMNS = 1931, 10
 SECTIONS = (

@@ -11,12 +11,12 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from workbench.materials import Steel
 from workbench.models.frame_model import FrameModel
 from workbench.models.hinged_frames import Giberson, PlasticHinge
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.scenarios import Frame, FrameStatic, Load, Member, Node
-from workbench.sections import section_from
+from workbench.steel.materials import Steel
+from workbench.steel.sections import section_from
 
 MODELS = (
     FlexibleSuperelement(hinge_stiffness=1e4),

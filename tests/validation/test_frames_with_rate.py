@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from workbench.materials import CowperSymonds
+from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.superelements import FlexibleSuperelement
-from workbench.references.fiber_shear import FiberShear
 from workbench.responses import outcome_of
+from workbench.steel.materials import CowperSymonds
 from workbench.study import load_study
 
 STUDY = Path(__file__).parents[2] / "studies" / "drawn_frames.py"

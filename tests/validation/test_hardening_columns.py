@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from workbench.materials import MILD_STEEL, CowperSymonds
 from workbench.models.four_dof import FourDof
-from workbench.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.steel.materials import MILD_STEEL, CowperSymonds
 from workbench.study import load_study
 
 STUDY = Path(__file__).parents[2] / "studies" / "rate_columns.py"

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from builders import THESIS_SPRINGS
 
-from workbench.evidence.published import Published
 from workbench.models.four_dof import FourDof
+from workbench.models.published import Published
 from workbench.scenarios import ColumnPushover
 
 FINE = 1e-5  # s; steps by error leave some 0.1 % of the peak open

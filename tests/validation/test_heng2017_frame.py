@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from builders import thesis_frame
 
-from workbench.datafiles import data_directory
+from workbench.base.datafiles import data_directory
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import (
@@ -24,7 +24,7 @@ from workbench.scenarios import (
     frame_of,
     load_scenario,
 )
-from workbench.sections import find
+from workbench.steel.sections import find
 
 # one bar of the thesis per member, or so many
 RIGID = partial(RigidSuperelement, elements=1, rotational_stiffness=6.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from verification_cases import FORMULATIONS, PLASTIC_MOMENT, SIDE, SQUASH, hold, steel_chain
 
-from workbench.structures.paths import push
+from workbench.mechanics.structures.paths import push
 
 SPAN, ELEMENTS = 8.0, 64
 

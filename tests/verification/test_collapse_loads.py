@@ -15,7 +15,7 @@ from verification_cases import (
     steel_chain,
 )
 
-from workbench.structures.paths import push
+from workbench.mechanics.structures.paths import push
 
 YIELD = 0.1 * FY  # a weak steel: hinges are complete while the geometry has hardly changed
 PLASTIC_MOMENT = YIELD * SIDE**3 / 4.0

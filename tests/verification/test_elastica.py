@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 from verification_cases import FORMULATIONS, along, hold, orders, slender_chain
 
-from workbench.structures.paths import apply_loads
+from workbench.mechanics.structures.paths import apply_loads
 
 
 def elastica(force: float) -> tuple[float, float]:

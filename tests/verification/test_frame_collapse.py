@@ -9,10 +9,10 @@ from __future__ import annotations
 import pytest
 from limit_analysis import collapse_factor
 
-from workbench.materials import Steel
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.scenarios import Frame, FrameStatic, Load, Member, Node, regular_frame
-from workbench.sections import section_from
+from workbench.steel.materials import Steel
+from workbench.steel.sections import section_from
 
 STIFF = Steel(elastic_modulus=1e12, yield_stress=1e7)
 SECTION = section_from({"width": 0.2, "height": 0.2}, "section")

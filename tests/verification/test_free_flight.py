@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from verification_cases import FORMULATIONS, NEVER, along, orders, steel_chain
 
-from workbench.structures.impact import PointMass, impact
+from workbench.mechanics.structures.impact import PointMass, impact
 
 LENGTH, ELEMENTS = 4.0, 8
 FAR = PointMass(1.0, 0.0, position=-1e9)

@@ -13,12 +13,10 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from workbench.errors import InputError
-from workbench.evidence.error_model import expected_error
-from workbench.frames.structure import dead_loads
-from workbench.materials import Steel
+from workbench.base.errors import InputError
+from workbench.mechanics.frames.structure import dead_loads
 from workbench.models.batch import simulate_many
-from workbench.registry import make_model
+from workbench.models.registry import make_model
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.scenarios import (
     Column,
@@ -39,7 +37,9 @@ from workbench.scenarios import (
     to_toml,
 )
 from workbench.scenarios.parts import GRAVITY
-from workbench.sections import find, square
+from workbench.steel.materials import Steel
+from workbench.steel.sections import find, square
+from workbench.study.error_model.error_model import expected_error
 
 SIDE, LENGTH, MASS = 0.2804, 3.0, 2038.7
 WOOD = Steel(elastic_modulus=12e9, yield_stress=100e6)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from verification_cases import AREA, E, hold, orders, steel_chain
 
-from workbench.references.fiber_corotational import FiberCorotational
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.structures.explicit import explicit_impact
-from workbench.structures.impact import PointMass, impact
+from workbench.mechanics.structures.explicit import explicit_impact
+from workbench.mechanics.structures.impact import PointMass, impact
+from workbench.models.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_reissner import FiberReissner
 
 LENGTH, NODE = 2.0, 100.0
 

@@ -13,7 +13,7 @@ import pytest
 from test_registered_models import model_of
 
 from workbench.models.base import Model
-from workbench.registry import model_kind, model_names
+from workbench.models.registry import model_kind, model_names
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import (
     Column,
@@ -26,7 +26,7 @@ from workbench.scenarios import (
     Node,
     Striker,
 )
-from workbench.sections import Section, square
+from workbench.steel.sections import Section, square
 
 READ = ("published", "measured")  # answer what is printed, no other case
 ROUNDING = 1e-6
@@ -42,7 +42,7 @@ BY_ERROR = ("rigid-superelement", "flexible-superelement")
 
 
 def meshed(name: str) -> bool:
-    return model_kind(name).__module__.startswith("workbench.references")
+    return model_kind(name).__module__.startswith("workbench.models.references")
 
 
 def of(kind: str) -> list[Any]:

@@ -20,14 +20,12 @@ import pytest
 from builders import portal
 from test_registered_models import model_of
 
-from workbench.assessment import METRICS, bias_and_scatter
-from workbench.assessment.metric import Pair
-from workbench.desk.summary import headline
-from workbench.errors import InputError
-from workbench.evidence.error_model import ExpectedError
+from workbench.api.summary import headline
+from workbench.base.errors import InputError
+from workbench.extras.uncertainty.critical_velocity import Asked
 from workbench.models import frame_model
 from workbench.models.base import Model
-from workbench.registry import make_model, model_kind, model_names
+from workbench.models.registry import make_model, model_kind, model_names
 from workbench.responses import (
     Outcome,
     Response,
@@ -53,8 +51,10 @@ from workbench.scenarios import (
     Pulse,
     Striker,
 )
-from workbench.sections import find
-from workbench.uncertainty.critical_velocity import Asked
+from workbench.steel.sections import find
+from workbench.study.assessment import METRICS, bias_and_scatter
+from workbench.study.assessment.metric import Pair
+from workbench.study.error_model.error_model import ExpectedError
 
 CLOSE = 1e-6  # of the peak; measured: at most 6e-10, of fibers in hinges
 READ = ("published",)  # answers what is printed alone

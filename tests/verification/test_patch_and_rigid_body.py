@@ -15,7 +15,7 @@ from verification_cases import (
     steel_chain,
 )
 
-from workbench.structures.paths import apply_loads, push
+from workbench.mechanics.structures.paths import apply_loads, push
 
 X = np.array([0.0, 0.13, 0.5, 0.61, 1.4, 2.0])
 POINTS = np.stack([X, 0.0 * X], axis=1)

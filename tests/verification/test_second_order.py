@@ -11,11 +11,11 @@ from math import cos, sqrt, tan
 
 import pytest
 
-from workbench.materials import Steel
+from workbench.models.references.fiber_corotational import FiberCorotational
 from workbench.models.superelements import FlexibleSuperelement
-from workbench.references.fiber_corotational import FiberCorotational
 from workbench.scenarios import Frame, FrameStatic, Load, Member, Node
-from workbench.sections import section_from
+from workbench.steel.materials import Steel
+from workbench.steel.sections import section_from
 
 SECOND_MOMENT, AREA = 484.0 * 0.0254**4, 14.1 * 0.0254**2
 LENGTH = 28 * 0.3048

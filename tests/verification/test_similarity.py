@@ -15,10 +15,10 @@ from builders import examples
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.registry import make_model, model_kind, model_names
+from workbench.models.registry import make_model, model_kind, model_names
 from workbench.responses import Outcome, Response, outcome_of
 from workbench.scenarios import Column, ColumnImpact, Striker
-from workbench.sections import i_section, square
+from workbench.steel.sections import i_section, square
 
 # answer printed or measured numbers; is a rule for frames; refines its mesh by its own
 # uncertainty, too slowly

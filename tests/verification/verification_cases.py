@@ -7,10 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fibers import BeamSection
-from workbench.structures.fibers.beams import FiberBeams, ReissnerBeams
-from workbench.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.fibers import BeamSection
+from workbench.mechanics.structures.fibers.beams import FiberBeams, ReissnerBeams
+from workbench.mechanics.structures.fibers.section import LinearHardening
 
 FORMULATIONS = ("reissner", "corotational")
 E, FY, SIDE, LAYERS, MASS = 210e9, 355e6, 0.2, 20, 314.0

@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
 
-from workbench.errors import InputError, WorkbenchError, message_of, shown
+from workbench.base.errors import InputError, WorkbenchError, message_of, shown
 
 _SUMMARY = """How far can each reduced model of a steel structure under impact be trusted?
 
@@ -73,20 +73,9 @@ def _application() -> Callable[..., Any]:
     import typer
 
     from workbench import __version__
-    from workbench.cli import (
-        chart,
-        data,
-        doctor,
-        fit,
-        fragility,
-        models,
-        new,
-        sample,
-        serve,
-        simulate,
-        studies,
-        vary,
-    )
+    from workbench.cli import data, doctor, fit, models, new, simulate, studies, vary
+    from workbench.extras.practice import chart
+    from workbench.extras.uncertainty.verbs import fragility, sample, serve
 
     app = typer.Typer(
         add_completion=False,

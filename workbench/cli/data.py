@@ -11,7 +11,7 @@ import typer
 
 from workbench.cli.output import DECIMAL, SEP, SHEET, Answer, Names, option, verb, writable
 from workbench.cli.studies import StoreRoot
-from workbench.content.tree import (
+from workbench.report.page.tree import (
     Block,
     Bullets,
     Callout,
@@ -30,7 +30,7 @@ app = typer.Typer(
 @verb
 def list_datasets() -> Answer:
     """List the datasets."""
-    from workbench.evidence import datasets
+    from workbench.study.error_model import datasets
 
     entries = [dataclasses.asdict(entry) for entry in datasets()]
     columns = {"dataset": "name", **{key: key for key in ("role", "licence", "title")}}
@@ -41,8 +41,8 @@ def list_datasets() -> Answer:
 @verb
 def show(name: str = typer.Argument(metavar="NAME", help="Name of the dataset.")) -> Answer:
     """Show where a dataset is from, and its rows."""
-    from workbench.evidence import dataset, load
     from workbench.studs.fit_protocol import plain
+    from workbench.study.error_model import dataset, load
 
     entry = dataclasses.asdict(dataset(name))
     rows = plain(load(name))
@@ -81,8 +81,8 @@ def add(
     Everything is checked before anything is written; numbers without source and licence are not
     taken. Templates: `workbench new impact-tests`, `workbench new mapping`.
     """
-    from workbench.intake import add_table
-    from workbench.tables import Reading
+    from workbench.base.tables import Reading
+    from workbench.extras.intake import add_table
 
     added = add_table(
         Path(table),
@@ -137,10 +137,10 @@ def measure(
     """
     import pandas as pd
 
-    from workbench.evidence import dataset
-    from workbench.evidence.error_table import TABLES, TRUTH
-    from workbench.fields import Choice
+    from workbench.base.fields import Choice
     from workbench.study import load_study, run_study
+    from workbench.study.error_model import dataset
+    from workbench.study.error_model.error_table import TABLES, TRUTH
     from workbench.study.error_rows import error_rows
     from workbench.study.runner import progress_for
     from workbench.study.store import write_atomically
@@ -170,11 +170,11 @@ def check(
 
     With files of your own, only those: tests on studs, points of load-slip curves, impact tests.
     """
-    from workbench.evidence import check as problems_of
-    from workbench.evidence import datasets
-    from workbench.intake import check_file, problems_of_own
+    from workbench.base.tables import Reading
+    from workbench.extras.intake import check_file, problems_of_own
     from workbench.studs import check_tables
-    from workbench.tables import Reading
+    from workbench.study.error_model import check as problems_of
+    from workbench.study.error_model import datasets
 
     if files:
         how = Reading(sheet, sep, decimal)

@@ -9,9 +9,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from workbench.base.datafiles import can_write
 from workbench.cli.output import Answer, option, verb
-from workbench.content.tree import Block, Cell, Paragraph, Table
-from workbench.datafiles import can_write
+from workbench.report.page.tree import Block, Cell, Paragraph, Table
 
 if TYPE_CHECKING:
     from workbench.responses import Response
@@ -116,7 +116,7 @@ def _libraries() -> Iterator[Check]:
 
 
 def _kernel_cache() -> Iterator[Check]:
-    from workbench.compiled import usual_folder
+    from workbench.base.compiled import usual_folder
 
     problem = "" if can_write(usual_folder()) else f"{usual_folder()} cannot be written: temporary"
     remedy = "set NUMBA_CACHE_DIR to a directory that can be written"
@@ -152,7 +152,7 @@ def _store(root: Path) -> Iterator[Check]:
 
 
 def _data() -> Iterator[Check]:
-    from workbench.evidence import check, datasets
+    from workbench.study.error_model import check, datasets
 
     problems = check()
     problem = f"{len(problems)} problems, first: {problems[0]}" if problems else ""
@@ -162,7 +162,7 @@ def _data() -> Iterator[Check]:
 
 
 def _models() -> Iterator[Check]:
-    from workbench.registry import offers
+    from workbench.models.registry import offers
     from workbench.responses.provenance import DISTRIBUTION
 
     broken = [offer for offer in offers() if offer.kind is None]
@@ -178,9 +178,9 @@ def _physics() -> Iterator[Check]:
     """Soft elastic impact at mid-height: momentum, flexibility and energy give the peak."""
     from math import sqrt
 
-    from workbench.registry import make_model
+    from workbench.models.registry import make_model
     from workbench.scenarios import Column, ColumnImpact, Striker
-    from workbench.sections import find
+    from workbench.steel.sections import find
 
     column = Column(find("HEB 220"), length_below=2.0, length_above=2.0)
     striker = Striker(mass=1500.0, velocity=0.5)
@@ -197,7 +197,7 @@ def _physics() -> Iterator[Check]:
 
 def _flexibility(scenario: ColumnScenario, second_moment: float) -> float:
     """Of a clamped column hit at mid-height (m/N): 192 EI / L^3 in series with its shear."""
-    from workbench.frames.members import shear_stiffness
+    from workbench.mechanics.frames.members import shear_stiffness
 
     column = scenario.column
     bending = 192.0 * column.steel.elastic_modulus * second_moment / column.length**3
@@ -207,9 +207,9 @@ def _flexibility(scenario: ColumnScenario, second_moment: float) -> float:
 
 def _references() -> Iterator[Check]:
     """Small push at mid-height, and energy."""
-    from workbench.registry import make_model
+    from workbench.models.registry import make_model
     from workbench.scenarios import Column, ColumnPushover
-    from workbench.sections import find
+    from workbench.steel.sections import find
 
     column = Column(find("HEB 220"), length_below=2.0, length_above=2.0)
     scenario = ColumnPushover("self-check", column=column, displacement=1e-3)

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
 
+from workbench.base.errors import InputError
+from workbench.base.fields import Choice, Number
 from workbench.cli.output import DECIMAL, SEP, SHEET, Answer, Names, option, verb, writable
-from workbench.errors import InputError
-from workbench.fields import Choice, Number
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from workbench.content.tree import Block
+    from workbench.report.page.tree import Block
     from workbench.studs.fit_protocol import Tables
 
 app = typer.Typer(
@@ -94,10 +94,10 @@ class FitVerb:
 
     def _split(self) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Any]]:
         """The rows to fit, those that judge, and what was asked."""
-        from workbench.datafiles import digest
+        from workbench.base.datafiles import digest
+        from workbench.base.tables import Reading
         from workbench.studs import POINTS, TESTS, examine, shipped
         from workbench.studs.tables import campaigns_of, check_campaigns, joined, split_table
-        from workbench.tables import Reading
 
         schema = POINTS if self.on_curves else TESTS
         with_shipped = self.with_shipped or self.file is None
@@ -137,8 +137,8 @@ class FitVerb:
 
 def _blocks(head: dict[str, Any], tables: Tables, written: dict[str, Path]) -> Iterator[Block]:
     """The answer on a terminal, and the reports that were written."""
-    from workbench.content.tree import Paragraph
     from workbench.report.chapters.studs import of_fit
+    from workbench.report.page.tree import Paragraph
 
     yield from of_fit("shown", head, tables)
     yield from (Paragraph(f"{words}: {path}") for words, path in written.items())

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from workbench.base.errors import InputError
 from workbench.cli.output import Answer, ScenarioFile, Settings, at_work, verb, warnings
-from workbench.content.bibliography import cited
-from workbench.content.tree import (
+from workbench.report.page.bibliography import cited
+from workbench.report.page.tree import (
     Block,
     Bullets,
     Definitions,
@@ -19,12 +20,11 @@ from workbench.content.tree import (
     Section,
     Table,
 )
-from workbench.errors import InputError
 
 if TYPE_CHECKING:
-    from workbench.evidence.advice import Choice
-    from workbench.registry import Offer
+    from workbench.models.registry import Offer
     from workbench.responses import Finding
+    from workbench.study.error_model.advice import Choice
 
 
 @verb
@@ -33,7 +33,7 @@ def models(name: str = typer.Argument("", help="Show one model only, in full."))
 
     With a NAME: its assumptions, domain, options and sources.
     """
-    from workbench.registry import model_kind, offers
+    from workbench.models.registry import model_kind, offers
 
     if name:
         model_kind(name)  # an unknown name is refused with the nearest one
@@ -51,10 +51,10 @@ def advise(scenario: ScenarioFile, settings: Settings = None) -> Answer:
     from workbench.scenarios import load_scenario
 
     given = load_scenario(scenario, settings or [])
-    from workbench.evidence.advice import advise, choose
-    from workbench.evidence.catalogue import DATA
-    from workbench.evidence.error_model import PEAK, anchor_peak
-    from workbench.registry import offers
+    from workbench.base.catalogue import DATA
+    from workbench.models.registry import offers
+    from workbench.study.error_model.advice import advise, choose
+    from workbench.study.error_model.error_model import PEAK, anchor_peak
 
     kinds = [offer.kind for offer in offers() if offer.kind is not None]
     fitting = [kind for kind in kinds if given.KIND in kind.answers and kind.name not in DATA]
@@ -80,8 +80,8 @@ def advise(scenario: ScenarioFile, settings: Settings = None) -> Answer:
 def _advice(
     scenario: str, choice: Choice, best: float | None, findings: dict[str, list[Finding]]
 ) -> Iterator[Block]:
-    from workbench.content.formatting import in_unit
-    from workbench.evidence.error_model import PEAK
+    from workbench.report.page.formatting import in_unit
+    from workbench.study.error_model.error_model import PEAK
 
     yield Paragraph(f"{scenario}: take {choice.model}, {choice.reason}.")
     if best is not None:
@@ -103,7 +103,7 @@ def _subjects(findings: list[Finding], chosen: Callable[[Finding], bool]) -> str
 
 
 def _entry(offer: Offer) -> dict[str, Any]:
-    from workbench.fields import meaning
+    from workbench.base.fields import meaning
 
     kind = offer.kind
     if kind is None:

@@ -33,7 +33,7 @@ def _printed(text: str, as_json: bool) -> Answer:
 @verb
 def impact_tests(as_json: Json = False) -> Answer:
     """A table of impact tests on steel members, commented, with an example: for `data add`."""
-    from workbench.impact_tests.rows import TEMPLATE
+    from workbench.extras.intake.impact_tests.rows import TEMPLATE
 
     return _printed(TEMPLATE.text, as_json)
 
@@ -42,7 +42,7 @@ def impact_tests(as_json: Json = False) -> Answer:
 @verb
 def mapping_template(as_json: Json = False) -> Answer:
     """A mapping file for a published table, for `workbench data add --mapping`."""
-    from workbench.intake.mapping import TEMPLATE
+    from workbench.extras.intake.mapping import TEMPLATE
 
     return _printed(TEMPLATE.read_text(encoding="utf-8"), as_json)
 
@@ -82,7 +82,7 @@ def missile(
     as_json: Json = False,
 ) -> Answer:
     """The force of a missile that crushes at a rigid wall (Riera), as the table [pulse]."""
-    from workbench.datafiles import open_input
+    from workbench.base.datafiles import open_input
     from workbench.scenarios.load_histories import missile_of, missile_pulse
 
     with open_input(file, "missile") as stream:

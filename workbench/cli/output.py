@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, overload
 
 import typer
 
-from workbench.content.tree import Block, Callout, Paragraph
-from workbench.datafiles import check_library, open_input
-from workbench.errors import InputError
+from workbench.base.datafiles import check_library, open_input
+from workbench.base.errors import InputError
+from workbench.report.page.tree import Block, Callout, Paragraph
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -128,7 +128,7 @@ def verb(function: Callable[..., Answer]) -> Callable[..., int]:
             json.dump(answer.content, sys.stdout, indent=2, ensure_ascii=escaped, allow_nan=False)
             sys.stdout.write("\n")
         else:
-            from workbench.content.terminal import show
+            from workbench.report.page.terminal import show
 
             files = ((what, file) for what, file in answer.files.items() if file)
             show(*answer.blocks, *(Paragraph(f"The {what} is in {file}.") for what, file in files))
@@ -144,7 +144,7 @@ def verb(function: Callable[..., Answer]) -> Callable[..., int]:
 
 def processes(jobs: int | None) -> int:
     """How many processes a flag asks for; without it one for each core. Raises `InputError`."""
-    from workbench.fields import Number
+    from workbench.base.fields import Number
 
     count = os.cpu_count() or 1 if jobs is None else jobs
     return int(Number(1, 512, integer=True).check("--jobs", count))

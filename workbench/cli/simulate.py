@@ -8,6 +8,7 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from workbench.base.errors import InputError
 from workbench.cli.output import (
     PICTURES,
     Answer,
@@ -22,15 +23,14 @@ from workbench.cli.output import (
     warnings,
     writable,
 )
-from workbench.content.tree import Block, Cell, Definitions, Paragraph, Table
-from workbench.errors import InputError
+from workbench.report.page.tree import Block, Cell, Definitions, Paragraph, Table
 
 if TYPE_CHECKING:
-    from workbench.assessment.variations import Budget
-    from workbench.desk.answers import Comparison
+    from workbench.api.answers import Comparison
     from workbench.models.base import Model
     from workbench.responses import Response
     from workbench.scenarios import Scenario
+    from workbench.study.assessment.variations import Budget
 
 _KIND = "numerical"  # what stands after ±
 _SEGMENTS = 4  # the most sheared ones, which the text names
@@ -74,11 +74,11 @@ def simulate(
     if spread and not budget:
         raise InputError("--spread", spread[0], "is for --budget")
     given = load_scenario(scenario, settings or [])
-    from workbench.assessment.variations import RATED, STATIC, Budget
-    from workbench.desk.answers import Comparison, asked, simulate
-    from workbench.desk.summary import as_object
-    from workbench.evidence.advice import no_reference, quick_reference
+    from workbench.api.answers import Comparison, asked, simulate
+    from workbench.api.summary import as_object
     from workbench.responses import outcome_of
+    from workbench.study.assessment.variations import RATED, STATIC, Budget
+    from workbench.study.error_model.advice import no_reference, quick_reference
 
     spreads = pairs_of("--spread", spread, "velocity=0.1")
     errors = Budget("", (), spreads) if budget else None
@@ -128,7 +128,7 @@ def simulate(
 def _write(target: Path, scenario: Scenario, response: Response) -> None:
     """Write a response as netCDF, or its deformed shapes."""
     if target.suffix.lower() == ".pvd":
-        from workbench.report.vtk import write_shapes
+        from workbench.extras.exchange.vtk import write_shapes
 
         write_shapes(target, scenario, response)
     else:
@@ -144,7 +144,7 @@ def timed(scenario: Scenario, model: Model | None = None, **options: Any) -> Res
     """
     from numba.core.event import install_recorder
 
-    from workbench.desk.answers import asked, simulate
+    from workbench.api.answers import asked, simulate
     from workbench.study.cells import TIMED_AGAIN_BELOW
 
     with install_recorder("numba:compile") as recorder:
@@ -160,7 +160,7 @@ def timed(scenario: Scenario, model: Model | None = None, **options: Any) -> Res
 
 def time_of(response: Response) -> Cell:
     """The wall time of an answer, unless compilation may be a part of it."""
-    from workbench.content.formatting import duration
+    from workbench.report.page.formatting import duration
 
     if "compiled" in response.attrs:
         return Cell("compiled")
@@ -169,9 +169,9 @@ def time_of(response: Response) -> Cell:
 
 def _table(compared: Comparison, objects: list[dict[str, Any]]) -> Iterator[Block]:
     """Several answers, as JSON holds them, as one table, their warnings below."""
-    from workbench.content.formatting import quantities
-    from workbench.desk.summary import TABLED, fate_of
-    from workbench.evidence.error_model import ExpectedError
+    from workbench.api.summary import TABLED, fate_of
+    from workbench.report.page.formatting import quantities
+    from workbench.study.error_model.error_model import ExpectedError
 
     columns = {
         "model": "model",
@@ -186,8 +186,8 @@ def _table(compared: Comparison, objects: list[dict[str, Any]]) -> Iterator[Bloc
 
 
 def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -> Iterator[Block]:
-    from workbench.content.formatting import in_unit
-    from workbench.evidence.error_model import PEAK, ExpectedError
+    from workbench.report.page.formatting import in_unit
+    from workbench.study.error_model.error_model import PEAK, ExpectedError
 
     yield Paragraph(f"{name}: {answer['headline']}")
     if answer["message"]:
@@ -215,7 +215,7 @@ def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -
 
 def _lines(answer: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """The numbers of a response with their names, units and numerical uncertainty."""
-    from workbench.content.formatting import in_unit
+    from workbench.report.page.formatting import in_unit
     from workbench.responses import ENERGIES, SCALARS, VARIABLES
 
     widths, places = answer["numerical_uncertainty"] or {}, answer["places"]
@@ -254,7 +254,7 @@ def _lines(answer: dict[str, Any]) -> Iterator[tuple[str, str]]:
 
 def _points(answer: dict[str, Any], widths: dict[str, float]) -> Iterator[tuple[str, str]]:
     """Points of a static curve whose numerical uncertainty is known."""
-    from workbench.content.formatting import in_unit
+    from workbench.report.page.formatting import in_unit
 
     for name, ladder in (answer["refinement"] or {}).get("quantities", {}).items():
         variable = ladder["variable"]
@@ -265,7 +265,7 @@ def _points(answer: dict[str, Any], widths: dict[str, float]) -> Iterator[tuple[
 
 def _struck(answer: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """Axial forces in the members that are struck."""
-    from workbench.content.formatting import in_unit
+    from workbench.report.page.formatting import in_unit
 
     hinges = answer["hinges"] or {}
     for member in answer["struck"]:
@@ -283,8 +283,8 @@ def _budgeted(
 
     Raises `InputError` if the scenario is no impact on a column.
     """
-    from workbench.assessment.variations import RATED
-    from workbench.evidence.advice import advised
+    from workbench.study.assessment.variations import RATED
+    from workbench.study.error_model.advice import advised
 
     varied = {}
     for name, each in budget.variations(scenario).items():

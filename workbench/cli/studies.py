@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from workbench.base.errors import InputError
 from workbench.cli.output import Answer, InterruptedByUserError, Json, option, verb, writable
-from workbench.content.tree import Block, Bullets, Definitions, Paragraph
-from workbench.errors import InputError
+from workbench.report.page.tree import Block, Bullets, Definitions, Paragraph
 
 if TYPE_CHECKING:
     from workbench.study import Assessment, CellStatus, RunSummary, Study
@@ -110,7 +110,7 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
     """
     from collections import Counter
 
-    from workbench.content.formatting import several
+    from workbench.report.page.formatting import several
     from workbench.study import State
 
     chosen = _chosen(study, quick)
@@ -165,10 +165,10 @@ def report(
     if not set(wanted) <= {"html", "pdf", "xlsx", "parquet"}:
         raise InputError("--format", formats, "must be among html, pdf, xlsx, parquet")
     archive = writable("--crate", crate, "zip")
+    from workbench.extras.exchange.crate import write_crate
     from workbench.report.build import build_report
     from workbench.report.build import summary as write_summary
     from workbench.report.chapters.answer import in_brief
-    from workbench.report.crate import write_crate
     from workbench.report.stored import Stored
     from workbench.study import assess
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from workbench.base.errors import InputError
 from workbench.cli.output import (
     DECIMAL,
     ENDINGS,
@@ -28,15 +29,14 @@ from workbench.cli.output import (
     writable,
     write_answers,
 )
-from workbench.content.tree import Block, Cell, Paragraph, Table
-from workbench.errors import InputError
+from workbench.report.page.tree import Block, Cell, Paragraph, Table
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from workbench.base.tables import Reading
     from workbench.scenarios import Scenario
     from workbench.study.limit import Limit, Trial
-    from workbench.tables import Reading
 
 VELOCITY, VELOCITIES = "striker.velocity", (1.0, 60.0)  # m/s
 _ENDINGS = {
@@ -69,8 +69,8 @@ def sweep(
     Exit status 0 if all survive or collapse, 1 if one has no answer (the table says why), 2 for
     bad input.
     """
+    from workbench.base.tables import Reading
     from workbench.scenarios import load_scenario
-    from workbench.tables import Reading
 
     files = [scenario, cases]
     target = writable("--out", out, *ENDINGS, inputs=files)
@@ -83,7 +83,7 @@ def sweep(
     if len(values) < len(pairs):
         raise InputError("--over", [key for key, _ in pairs], "must name each key once")
     given = load_scenario(scenario, settings or [])
-    from workbench.desk.sweeps import sweep as swept
+    from workbench.api.sweeps import sweep as swept
 
     with at_work("the sweep at work"):
         how = Reading(sheet, sep, decimal)
@@ -112,9 +112,9 @@ def _cases(file: str, how: Reading) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """The table of a file, a column a key, and how it was read. Raises `InputError`."""
     import pandas as pd
 
+    from workbench.base.tables import read_cells
     from workbench.scenarios.files import parse_value
     from workbench.study.tables import from_spreadsheets
-    from workbench.tables import read_cells
 
     cells, rows = read_cells(Path(file), _KEY.fullmatch, how), []
     for line, texts in cells.rows[1:]:
@@ -152,7 +152,7 @@ def _values(text: str) -> tuple[str, list[Any]]:
 
 
 def _answers(name: str, keys: list[str], table: pd.DataFrame, rows: list[Any]) -> Iterator[Block]:
-    from workbench.content.formatting import quantities
+    from workbench.report.page.formatting import quantities
 
     outcomes = ", ".join(f"{n} {each}" for each, n in table["outcome"].value_counts().items())
     yield Paragraph(f"{name}: {len(rows)} answers, {outcomes}.")
@@ -187,7 +187,7 @@ def limit(
     scenario of the file. Exit status 0 if every model says where, or that it is not in the range,
     1 if one leaves that open, 2 for bad input.
     """
-    from workbench.fields import Number
+    from workbench.base.fields import Number
     from workbench.scenarios import load_scenario
     from workbench.scenarios.files import parse_value
 
@@ -205,9 +205,9 @@ def limit(
     texts = [VELOCITIES[i] if end is None else parse_value(end) for i, end in enumerate(given)]
     values = [float(each) if type(each) is int else each for each in texts]
     checked = [scenario_at(value) for value in values]  # both, before the work
-    from workbench.desk.sweeps import unit_at
-    from workbench.evidence.advice import choose
-    from workbench.registry import make_model
+    from workbench.api.sweeps import unit_at
+    from workbench.models.registry import make_model
+    from workbench.study.error_model.advice import choose
     from workbench.study.limit import find_limit
 
     unit = unit_at(checked[0], over)
@@ -238,7 +238,7 @@ def limit(
 
 def _in_si(over: str, value: Any, unit: str) -> float:
     """An end of the range in the SI `unit` of its key, which has read it."""
-    from workbench.units import in_si
+    from workbench.base.units import in_si
 
     number = in_si(value, unit) if isinstance(value, str) and unit else value
     if isinstance(number, bool) or not isinstance(number, float):

@@ -6,24 +6,24 @@ from typing import ClassVar
 
 import numpy as np
 
-from workbench.arrays import Array
-from workbench.fields import Choice, Number, checked
-from workbench.frames.elastic import Spans, spans_to, time_to_peak, wave_times
-from workbench.frames.members import spread_findings
-from workbench.frames.structure import FrameStructure, stand_frame
-from workbench.frames.superelements import (
+from workbench.base.arrays import Array
+from workbench.base.fields import Choice, Number, checked
+from workbench.mechanics.frames.elastic import Spans, spans_to, time_to_peak, wave_times
+from workbench.mechanics.frames.members import spread_findings
+from workbench.mechanics.frames.structure import FrameStructure, stand_frame
+from workbench.mechanics.frames.superelements import (
     FEWEST_LOADED,
     Piece,
     SuperelementMembers,
     joint_inertias,
     struck_parts,
 )
+from workbench.mechanics.structures.elements import HingedElements
+from workbench.mechanics.structures.impact import INTEGRATORS, MIDPOINT
 from workbench.models.domain import hit_mass_findings
 from workbench.models.frame_model import FrameModel, as_frame
 from workbench.responses import Finding, Response, finding, findings_of, set_findings
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FramePulse, FrameScenario
-from workbench.structures.elements import HingedElements
-from workbench.structures.impact import INTEGRATORS, MIDPOINT
 
 PEAK_STEPS = 150.0  # time steps up to the expected peak
 LEAST_STEPS = 100.0  # of a record

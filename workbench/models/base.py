@@ -10,9 +10,9 @@ from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
-from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
-from workbench.fields import Declared, check_keys
-from workbench.frames.elastic import linear_algebra
+from workbench.base.errors import CollapseError, InputError, OutOfDomainError, SolverError
+from workbench.base.fields import Declared, check_keys
+from workbench.mechanics.frames.elastic import linear_algebra
 from workbench.models.domain import implausible, unused_inputs
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import (

@@ -21,9 +21,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from workbench.arrays import Array, Indices
-from workbench.errors import CollapseError, InputError, message_of
-from workbench.frames.elastic import linear_algebra
+from workbench.base.arrays import Array, Indices
+from workbench.base.errors import CollapseError, InputError, message_of
+from workbench.mechanics.frames.elastic import linear_algebra
 from workbench.models.base import Model, on_one_mesh
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import SCALARS, Outcome, failure_message, outcome_of, scalars_of
@@ -63,7 +63,7 @@ def can_stack(model: Any, scenario: Scenario) -> bool:
 def simulate_many(
     model: Model, scenarios: Sequence[Scenario], threads: int | None = None
 ) -> pd.DataFrame:
-    """Answer many scenarios with one model: a table, see `workbench.desk.sweeps.simulate_many`.
+    """Answer many scenarios with one model: a table, see `workbench.api.sweeps.simulate_many`.
 
     A `Varied` builds its scenarios only where a row is asked alone.
     """

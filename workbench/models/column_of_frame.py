@@ -12,10 +12,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from workbench.errors import InputError, OutOfDomainError
-from workbench.fields import Choice, checked
-from workbench.frames.column_estimate import HEADS, ColumnEstimate, estimate_column
-from workbench.frames.column_line import HEAD_MASSES
+from workbench.base.errors import InputError, OutOfDomainError
+from workbench.base.fields import Choice, checked
+from workbench.mechanics.frames.column_estimate import HEADS, ColumnEstimate, estimate_column
+from workbench.mechanics.frames.column_line import HEAD_MASSES
 from workbench.models.base import Answering
 from workbench.models.domain import IMPLAUSIBLE, frame_findings
 from workbench.models.energy_estimate import EnergyEstimate

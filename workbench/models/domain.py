@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from workbench.frames.collapse import member_strength
-from workbench.frames.elastic import ElasticFrame, dead_load_state
-from workbench.frames.members import SHEAR_LOSS, shear_bound
-from workbench.frames.members import shear_findings as frame_shear_findings
-from workbench.frames.structure import dead_loads, free_to_spin
-from workbench.hinges import ShearSurface
+from workbench.base.codec import set_inputs
+from workbench.mechanics.frames.collapse import member_strength
+from workbench.mechanics.frames.elastic import ElasticFrame, dead_load_state
+from workbench.mechanics.frames.members import SHEAR_LOSS, shear_bound
+from workbench.mechanics.frames.members import shear_findings as frame_shear_findings
+from workbench.mechanics.frames.structure import dead_loads, free_to_spin
 from workbench.responses import Finding, finding
 from workbench.scenarios import (
     Column,
@@ -26,8 +26,8 @@ from workbench.scenarios import (
     MemberPulse,
     Scenario,
 )
-from workbench.scenarios.codec import set_inputs
 from workbench.scenarios.pulse import UNIFORM
+from workbench.steel.hinges import ShearSurface
 
 BUCKLING_WARNING = 2.0  # critical factor below which second-order effects dominate
 _ENOUGH = 8  # bars of members that a light striker does not hit: their first modes within 3 %

@@ -23,10 +23,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from workbench.arrays import Array
-from workbench.compiled import njit
+from workbench.base.arrays import Array
+from workbench.base.compiled import njit
+from workbench.mechanics.structures.kernels import solve_dense
 from workbench.scenarios import Column
-from workbench.structures.kernels import solve_dense
 
 
 class Springs(NamedTuple):

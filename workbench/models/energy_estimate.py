@@ -9,9 +9,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from workbench.arrays import Array, Flags, Indices
-from workbench.compiled import njit
-from workbench.errors import CollapseError
+from workbench.base.arrays import Array, Flags, Indices
+from workbench.base.codec import set_inputs
+from workbench.base.compiled import njit
+from workbench.base.errors import CollapseError
 from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN, Answers
 from workbench.models.hit_mass import with_hit_mass
 from workbench.models.resistance import OnCurve, column_curve, columns
@@ -20,7 +21,6 @@ from workbench.models.resistance.kernels import displacement_at, residual, work_
 from workbench.models.resistance.shapes import Rows, curve_of
 from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import ColumnImpact, ColumnScenario
-from workbench.scenarios.codec import set_inputs
 from workbench.scenarios.varied import spread, take
 
 

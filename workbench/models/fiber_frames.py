@@ -14,22 +14,29 @@ from typing import ClassVar
 
 import numpy as np
 
-from workbench.fields import Choice, Number, checked
-from workbench.frames.members import (
+from workbench.base.fields import Choice, Number, checked
+from workbench.mechanics.frames.members import (
     LAYERS,
     check_layers,
     fiber_overrides,
     fiber_section,
     residual_findings,
 )
+from workbench.mechanics.structures.bars import (
+    Bar,
+    BarElements,
+    Rule,
+    fiber_bars,
+    hinge_rule,
+    lobatto_rule,
+)
+from workbench.mechanics.structures.fibers import PATTERNS, BeamSection, section_fibers
+from workbench.mechanics.structures.fibers.section import LinearHardening, yielding_in_bending
 from workbench.models.bar_frames import Cut
 from workbench.models.frame_model import as_frame
 from workbench.models.hinged_frames import BarHinges, Traits
 from workbench.responses import Finding
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
-from workbench.structures.bars import Bar, BarElements, Rule, fiber_bars, hinge_rule, lobatto_rule
-from workbench.structures.fibers import PATTERNS, BeamSection, section_fibers
-from workbench.structures.fibers.section import LinearHardening, yielding_in_bending
 
 CALIBRATED = 40  # layers of the fibers that two surfaces are calibrated on
 POINTS_HELP = "Gauss-Lobatto points along an element, ends included"

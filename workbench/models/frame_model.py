@@ -9,13 +9,24 @@ from typing import ClassVar, TypeVar
 
 import numpy as np
 
-from workbench.arrays import Array
-from workbench.errors import OutOfDomainError, SolverError
-from workbench.fields import Declared
-from workbench.frames.elastic import Spans, linear_algebra
-from workbench.frames.record import Record
-from workbench.frames.runs import OPEN_LEDGER, run_driven, run_impact, run_static
-from workbench.frames.structure import FrameStructure
+from workbench.base.arrays import Array
+from workbench.base.errors import OutOfDomainError, SolverError
+from workbench.base.fields import Declared
+from workbench.mechanics.frames.elastic import Spans, linear_algebra
+from workbench.mechanics.frames.record import Record
+from workbench.mechanics.frames.runs import OPEN_LEDGER, run_driven, run_impact, run_static
+from workbench.mechanics.frames.structure import FrameStructure
+from workbench.mechanics.structures.arc_length import follow_arc
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.explicit import explicit_impact, lumped_mass
+from workbench.mechanics.structures.impact import MIDPOINT, MOREAU, impact
+from workbench.mechanics.structures.paths import PathStep, follow_displacement, follow_load
+from workbench.mechanics.structures.time_steps import (
+    PointMass,
+    TimeStep,
+    follow_force,
+    rigid_displacement,
+)
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
 from workbench.models.hit_mass import light_impact_mass
@@ -34,17 +45,6 @@ from workbench.scenarios import (
     frame_scenario,
 )
 from workbench.scenarios.pulse import line_integral
-from workbench.structures.arc_length import follow_arc
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.explicit import explicit_impact, lumped_mass
-from workbench.structures.impact import MIDPOINT, MOREAU, impact
-from workbench.structures.paths import PathStep, follow_displacement, follow_load
-from workbench.structures.time_steps import (
-    PointMass,
-    TimeStep,
-    follow_force,
-    rigid_displacement,
-)
 
 Taken = TypeVar("Taken")
 

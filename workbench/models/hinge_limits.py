@@ -7,23 +7,23 @@ from typing import Any
 
 import numpy as np
 
-from workbench.arrays import Array
-from workbench.frames.elastic import dead_load_state
-from workbench.frames.members import named, shear_demand
-from workbench.hinges import ShearSurface, has_webs
-from workbench.materials import Steel
+from workbench.base.arrays import Array
+from workbench.mechanics.frames.elastic import dead_load_state
+from workbench.mechanics.frames.members import named, shear_demand
+from workbench.mechanics.structures.bars import PlasticEnd
 from workbench.responses import Finding, finding
 from workbench.scenarios import Frame, FrameImpact, FrameScenario, Member
 from workbench.scenarios.parts import MemberProperties
-from workbench.sections import CircularTube, ISection, Section
-from workbench.sections.slenderness import (
+from workbench.steel.hinges import ShearSurface, has_webs
+from workbench.steel.materials import Steel
+from workbench.steel.sections import CircularTube, ISection, Section
+from workbench.steel.sections.slenderness import (
     TESTED,
     lateral_torsional,
     plate_classes,
     shares_by_class,
     tested_ratios,
 )
-from workbench.structures.bars import PlasticEnd
 
 CATENARY = 0.5  # Mp / Npl, from where hinges are drawn out
 STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2

@@ -13,13 +13,20 @@ from typing import ClassVar, NamedTuple, cast
 
 import numpy as np
 
-from workbench.arrays import Array
-from workbench.fields import Choice, Flag, Number, checked
-from workbench.frames.members import LAYERS, fiber_section, shear_stiffness
-from workbench.frames.structure import FrameStructure
-from workbench.frames.superelements import Piece, cut_members, joint_surface, series
-from workbench.hinges import YieldSurface
-from workbench.hinges.interaction import RULES, polyline
+from workbench.base.arrays import Array
+from workbench.base.fields import Choice, Flag, Number, checked
+from workbench.mechanics.frames.members import LAYERS, fiber_section, shear_stiffness
+from workbench.mechanics.frames.structure import FrameStructure
+from workbench.mechanics.frames.superelements import Piece, cut_members, joint_surface, series
+from workbench.mechanics.structures.bars import (
+    NO_INTERACTION,
+    Bar,
+    BarElements,
+    PlasticEnd,
+    hinged_bars,
+    refined_bars,
+)
+from workbench.mechanics.structures.fibers.section import spread_of_yield
 from workbench.models import hinge_limits
 from workbench.models.bar_frames import BarFrames, Cut
 from workbench.models.frame_model import as_frame
@@ -32,16 +39,9 @@ from workbench.scenarios import (
     FrameScenario,
     FrameStatic,
 )
-from workbench.sections.slenderness import rotation_capacity
-from workbench.structures.bars import (
-    NO_INTERACTION,
-    Bar,
-    BarElements,
-    PlasticEnd,
-    hinged_bars,
-    refined_bars,
-)
-from workbench.structures.fibers.section import spread_of_yield
+from workbench.steel.hinges import YieldSurface
+from workbench.steel.hinges.interaction import RULES, polyline
+from workbench.steel.sections.slenderness import rotation_capacity
 
 IMPERFECT = 0.877  # AISC 360, E3: strength of a slender column over its Euler load
 NO_MOMENT_LOST = 0.25  # of the squash load, tension of a run; EN 1993-1-1, 6.2.9.1 (4)

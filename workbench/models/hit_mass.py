@@ -19,11 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from workbench.fields import Choice
+from workbench.base.codec import set_inputs
+from workbench.base.fields import Choice
 from workbench.models.domain import mechanism_demand
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnImpact
-from workbench.scenarios.codec import set_inputs
 
 THESIS, WAVES = "thesis", "waves"
 HIT_MASS = Choice((THESIS, WAVES))

@@ -16,13 +16,13 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from workbench.arrays import Flags
-from workbench.compiled import njit, register_jitable
-from workbench.errors import CollapseError, SolverError
-from workbench.fields import Number, checked
-from workbench.impact.contact import uncounted
-from workbench.impact.crushing import UNLOADING, force_at
-from workbench.impact.integrator import (
+from workbench.base.arrays import Flags
+from workbench.base.compiled import njit, register_jitable
+from workbench.base.errors import CollapseError, SolverError
+from workbench.base.fields import Number, checked
+from workbench.mechanics.impact.contact import uncounted
+from workbench.mechanics.impact.crushing import UNLOADING, force_at
+from workbench.mechanics.impact.integrator import (
     COLLAPSE,
     DONE,
     DRIVE,
@@ -32,8 +32,8 @@ from workbench.impact.integrator import (
     march_of,
     no_flow,
 )
-from workbench.impact.pace import Pace
-from workbench.impact.records import follow, law_of
+from workbench.mechanics.impact.pace import Pace
+from workbench.mechanics.impact.records import follow, law_of
 from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN, Answers
 from workbench.models.domain import shear_warnings
 from workbench.models.hit_mass import with_hit_mass

@@ -12,20 +12,20 @@ from typing import Any
 
 import numpy as np
 
-from workbench.frames.column_estimate import column_like
-from workbench.frames.superelements import joint_surface
-from workbench.hinges import YieldSurface, has_shear_surface
-from workbench.hinges.rate import (
+from workbench.mechanics.frames.column_estimate import column_like
+from workbench.mechanics.frames.superelements import joint_surface
+from workbench.models.domain import mechanism_demand
+from workbench.responses import Finding, finding
+from workbench.scenarios import ColumnImpact, Frame, FrameImpact
+from workbench.steel.hinges import YieldSurface, has_shear_surface
+from workbench.steel.hinges.rate import (
     bar_law,
     hinge_overstress,
     overstress_shape,
     panel_law,
     panel_overstress,
 )
-from workbench.materials import CowperSymonds, Steel
-from workbench.models.domain import mechanism_demand
-from workbench.responses import Finding, finding
-from workbench.scenarios import ColumnImpact, Frame, FrameImpact
+from workbench.steel.materials import CowperSymonds, Steel
 
 FACTOR, BARS = RATE_LEVELS = ("factor", "bars")
 

@@ -18,15 +18,15 @@ from functools import lru_cache
 from math import ceil, inf
 from typing import Any, ClassVar
 
-from workbench.errors import OutOfDomainError, SolverError
-from workbench.fields import Choice, Number, checked
-from workbench.frames import out_of_domain
-from workbench.frames.elastic import wave_times
-from workbench.frames.members import named, shear_findings
-from workbench.frames.runs import measure_impact, run_impact
-from workbench.frames.struck import StruckNumbers, StruckRecord, strike
-from workbench.frames.structure import FrameStructure
-from workbench.frames.superelements import (
+from workbench.base.errors import OutOfDomainError, SolverError
+from workbench.base.fields import Choice, Number, checked
+from workbench.mechanics.frames import out_of_domain
+from workbench.mechanics.frames.elastic import wave_times
+from workbench.mechanics.frames.members import named, shear_findings
+from workbench.mechanics.frames.runs import measure_impact, run_impact
+from workbench.mechanics.frames.struck import StruckNumbers, StruckRecord, strike
+from workbench.mechanics.frames.structure import FrameStructure
+from workbench.mechanics.frames.superelements import (
     HingeSurfaces,
     Piece,
     curvature_shares,
@@ -36,9 +36,9 @@ from workbench.frames.superelements import (
     series,
     softened,
 )
-from workbench.hinges import ShearSurface, YieldSurface
-from workbench.hinges.interaction import fitted_exponents
-from workbench.impact.pace import Pace
+from workbench.mechanics.impact.pace import Pace
+from workbench.mechanics.structures.impact import MIDPOINT, MOREAU
+from workbench.mechanics.structures.superelements import Superelement, Superelements, sway_stiffness
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
 from workbench.models.batch import admitted
 from workbench.models.domain import DIRECT_SHEAR
@@ -63,8 +63,8 @@ from workbench.scenarios import (
     FrameScenario,
     Member,
 )
-from workbench.structures.impact import MIDPOINT, MOREAU
-from workbench.structures.superelements import Superelement, Superelements, sway_stiffness
+from workbench.steel.hinges import ShearSurface, YieldSurface
+from workbench.steel.hinges.interaction import fitted_exponents
 
 ACCURACY = 1e-3  # of the peak, with the numbers that follow and the longest step
 # errors of a step, see `Pace`; square root of what hinges settle by over the energy brought in

@@ -4,20 +4,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from workbench.content import tree
-from workbench.content.documents import render_html, render_markdown, render_pdf
-from workbench.content.formatting import count
-from workbench.content.tree import Document, Picture, Section
-from workbench.datafiles import check_library
-from workbench.errors import InputError
-from workbench.fields import Choice
+from workbench.base.datafiles import check_library
+from workbench.base.errors import InputError
+from workbench.base.fields import Choice
+from workbench.extras.laboratory import integrators
+from workbench.extras.uncertainty import chapter as exceedance
 from workbench.report.chapters import (
     answer,
     budgets,
     choice,
     configuration,
-    exceedance,
-    integrators,
     limits,
     results,
     stud_study,
@@ -25,6 +21,10 @@ from workbench.report.chapters import (
 )
 from workbench.report.explorer import FILE, explorer
 from workbench.report.gallery import draw_all, save_all, save_png
+from workbench.report.page import tree
+from workbench.report.page.documents import render_html, render_markdown, render_pdf
+from workbench.report.page.formatting import count
+from workbench.report.page.tree import Document, Picture, Section
 from workbench.report.stored import Stored
 from workbench.study.definition import Study, holds_data
 from workbench.study.store import own_directory, write_atomically

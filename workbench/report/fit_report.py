@@ -11,9 +11,15 @@ from typing import Any
 
 import pandas as pd
 
-from workbench.content.documents import render_html, render_pdf
-from workbench.content.formatting import brief, count
-from workbench.content.tree import (
+from workbench.base.errors import InputError
+from workbench.report.chapters.studs import Head, of_fit
+from workbench.report.drawing import influence
+from workbench.report.drawing.sheet import Drawing, drawn
+from workbench.report.figures import plot_of
+from workbench.report.gallery import Plate, to_csv
+from workbench.report.page.documents import render_html, render_pdf
+from workbench.report.page.formatting import brief, count
+from workbench.report.page.tree import (
     ABSENT,
     Block,
     Cell,
@@ -25,12 +31,6 @@ from workbench.content.tree import (
     Section,
     Table,
 )
-from workbench.errors import InputError
-from workbench.report.chapters.studs import Head, of_fit
-from workbench.report.drawing import influence
-from workbench.report.drawing.sheet import Drawing, drawn
-from workbench.report.figures import plot_of
-from workbench.report.gallery import Plate, to_csv
 from workbench.responses.provenance import provenance
 from workbench.studs.fit_protocol import Tables
 from workbench.studs.schema import NO_PREDAMAGE, TESTS

@@ -12,12 +12,12 @@ from pathlib import Path
 import pandas as pd
 from matplotlib.figure import Figure as Canvas
 
-from workbench.content.tree import Picture
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.report.drawing.layout import frame_scenario_of
 from workbench.report.drawing.sheet import Drawing, Request
 from workbench.report.drawing.style import house_style, looks
 from workbench.report.figures import draw
+from workbench.report.page.tree import Picture
 from workbench.report.stored import Stored
 from workbench.study.definition import Case, Figure, Study
 from workbench.study.store import write_atomically

@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from workbench.errors import Collapse, InputError, Mechanism
+from workbench.base.errors import Collapse, InputError, Mechanism
 from workbench.responses import Finding, Outcome, Response
 from workbench.responses.outcome import SYNTHETIC
 from workbench.study.definition import Study

@@ -13,7 +13,7 @@ import xarray as xr
 from xarray.core.indexing import PandasIndexingAdapter
 from xarray.indexes import PandasIndex
 
-from workbench.arrays import Array
+from workbench.base.arrays import Array
 from workbench.responses.variables import COORDINATES
 
 _ATTRIBUTES = {name: one.attributes for name, one in COORDINATES.items()}

@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from workbench.arrays import Array
-from workbench.errors import Collapse, CollapseError, Mechanism, WorkbenchError
+from workbench.base.arrays import Array
+from workbench.base.errors import Collapse, CollapseError, Mechanism, WorkbenchError
 from workbench.responses.axes import axis_of, shared_axis, variable_of
 from workbench.responses.histories import EXTREMES, NO_PEAK, implied, open_share
 from workbench.responses.outcome import SYNTHETIC, Finding, Outcome

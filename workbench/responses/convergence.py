@@ -12,8 +12,8 @@ from math import inf, isfinite, log
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from workbench.arrays import Array
-from workbench.errors import InputError
+from workbench.base.arrays import Array
+from workbench.base.errors import InputError
 
 RELIABLE = (0.5, 1.1)  # order over the expected one; the paper: 0.5 to 2.1 for order two
 SEARCHED = (0.05, 8.0)  # orders among which a power law is sought

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from workbench.arrays import Array
-from workbench.errors import WorkbenchError
+from workbench.base.arrays import Array
+from workbench.base.errors import WorkbenchError
 from workbench.responses.outcome import Finding, finding
 
 NO_RESIDUAL = "no-residual"  # that it ends before the slow vibration has a mean

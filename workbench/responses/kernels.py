@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from workbench.compiled import njit
+from workbench.base.compiled import njit
 
 _EQUAL = 0.995  # of the largest displacement, which is its peak too
 _SAMPLED = 0.95  # of it, the least that samples may show of such a peak: a tenth of a cycle aside

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from workbench.arrays import Array
-from workbench.errors import WorkbenchError
+from workbench.base.arrays import Array
+from workbench.base.errors import WorkbenchError
 from workbench.responses import uncertainty as numerical
 from workbench.responses.build import Response, check_response, collapse_of, findings_of
 from workbench.responses.convergence import SAFE, Ladder, ladder

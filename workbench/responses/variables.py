@@ -10,7 +10,7 @@ import hashlib
 from pathlib import Path
 from typing import NamedTuple
 
-from workbench.tables import records
+from workbench.base.tables import records
 
 HISTORY = "history"
 

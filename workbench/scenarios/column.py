@@ -7,8 +7,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any, ClassVar, Self
 
-from workbench.fields import Choice, Declared, Flag, Instance, Many, Number, Text, checked
-from workbench.materials import MadeOfSteel, Steel
+from workbench.base.fields import Choice, Declared, Flag, Instance, Many, Number, Text, checked
 from workbench.scenarios.parts import (
     CLAMPED_HINT,
     FORCE,
@@ -21,7 +20,8 @@ from workbench.scenarios.parts import (
     strength_section,
     stronger,
 )
-from workbench.sections import SECTION, Section
+from workbench.steel.materials import MadeOfSteel, Steel
+from workbench.steel.sections import SECTION, Section
 
 MASS = Number(1e-3, 1e7, "kg")
 VELOCITY = Number(1e-6, 300.0, "m/s", advice="velocities are in m/s, not km/h")

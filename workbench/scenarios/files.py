@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from workbench.datafiles import open_input
-from workbench.errors import InputError
-from workbench.fields import Choice
-from workbench.scenarios.codec import Made, dumped, label_of, read, write_text
+from workbench.base.codec import Made, dumped, label_of, read, write_text
+from workbench.base.datafiles import open_input
+from workbench.base.errors import InputError
+from workbench.base.fields import Choice
 from workbench.scenarios.column import ColumnImpact, ColumnPushover
 from workbench.scenarios.frame_events import FrameGroundMotion, FrameImpact, FramePulse, FrameStatic
 from workbench.scenarios.frame_events import FrameScenario as FrameScenario

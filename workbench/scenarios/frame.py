@@ -11,10 +11,9 @@ from typing import Any, TypeVar, cast
 
 import numpy as np
 
-from workbench.arrays import Array, Indices
-from workbench.errors import InputError
-from workbench.fields import Flag, Instance, Many, checked, did_you_mean
-from workbench.materials import MadeOfSteel, Steel
+from workbench.base.arrays import Array, Indices
+from workbench.base.errors import InputError
+from workbench.base.fields import Flag, Instance, Many, checked, did_you_mean
 from workbench.scenarios.parts import (
     GRAVITY,
     LENGTH,
@@ -31,7 +30,8 @@ from workbench.scenarios.parts import (
     strength_section,
     stronger,
 )
-from workbench.sections import Section
+from workbench.steel.materials import MadeOfSteel, Steel
+from workbench.steel.sections import Section
 
 ROUNDING = 1.0 - 1e-9  # a length that is computed from coordinates
 APART = 1e-6  # m; nodes closer than this are in one place

@@ -7,8 +7,8 @@ from itertools import pairwise
 from math import hypot
 from typing import Any, ClassVar
 
-from workbench.errors import InputError
-from workbench.fields import Choice, Declared, Flag, Instance, Many, Number, Text, checked
+from workbench.base.errors import InputError
+from workbench.base.fields import Choice, Declared, Flag, Instance, Many, Number, Text, checked
 from workbench.scenarios.column import (
     DURATION,
     WEIGHS,

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from itertools import chain, count, islice, pairwise, product
 from string import ascii_uppercase
 
-from workbench.errors import InputError
-from workbench.fields import Choice, Declared, Flag, Instance, Many, checked
-from workbench.materials import Steel
+from workbench.base.errors import InputError
+from workbench.base.fields import Choice, Declared, Flag, Instance, Many, checked
 from workbench.scenarios.frame import Frame
 from workbench.scenarios.parts import LENGTH, NAME, RIGID, Joint, Load, Member, Node
-from workbench.sections import SECTION, Section
+from workbench.steel.materials import Steel
+from workbench.steel.sections import SECTION, Section
 
 SPANS = Many(LENGTH, 1, 100)
 

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from workbench.datafiles import open_input
-from workbench.errors import InputError
-from workbench.fields import Choice, Declared, Many, Number, Text, checked
-from workbench.tables import FILES
+from workbench.base.datafiles import open_input
+from workbench.base.errors import InputError
+from workbench.base.fields import Choice, Declared, Many, Number, Text, checked
+from workbench.base.tables import FILES
 
 ASKED = ("strength", "load-slip", "interaction", "residual-strength", "residual-stiffness")
 NAMES = Many(Text(), different=True)
@@ -82,7 +82,7 @@ def _digest(path: Path) -> str:
 
 @dataclass(frozen=True)
 class ImpactProblem(Declared, table="impact"):
-    """A problem of `workbench.impact.problems`, or a struck column or frame."""
+    """A problem of `workbench.extras.laboratory.problems`, or a struck column or frame."""
 
     name: str = checked(Text(), path="name")
     problem: str = checked(Choice(PROBLEMS))

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from workbench.arrays import Array
-from workbench.errors import InputError
-from workbench.fields import Number
+from workbench.base.arrays import Array
+from workbench.base.errors import InputError
+from workbench.base.fields import Number
+from workbench.base.tables import read_points
 from workbench.scenarios.pulse import TABLE, Pulse
-from workbench.tables import read_points
 
 MISSILE = {
     "station_m": Number(0.0, 1e3, "m"),

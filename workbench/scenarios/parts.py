@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from workbench.fields import Choice, Declared, Many, Number, Text, checked
-from workbench.materials import Steel
-from workbench.sections import SECTION, Section
+from workbench.base.fields import Choice, Declared, Many, Number, Text, checked
+from workbench.steel.materials import Steel
+from workbench.steel.sections import SECTION, Section
 
 NAME = Text(60, label=True)
 COORDINATE = Number(-1e4, 1e4, "m", advice="coordinates are in metres, not millimetres")

@@ -7,8 +7,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from workbench.arrays import Array
-from workbench.fields import Choice, Declared, Flag, Instance, Many, Number, Text, checked
+from workbench.base.arrays import Array
+from workbench.base.fields import Choice, Declared, Flag, Instance, Many, Number, Text, checked
 from workbench.scenarios.column import DURATION, SENSE, WEIGHS, Column, Weighed
 
 TABLE, POINT, UNIFORM = "table", "point", "uniform"

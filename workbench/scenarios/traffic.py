@@ -8,8 +8,8 @@ angle, the motion below and the stiffness. A national annex may have others.
 from math import radians, sin, sqrt
 from typing import NamedTuple
 
-from workbench.errors import InputError
-from workbench.fields import Choice, Number
+from workbench.base.errors import InputError
+from workbench.base.fields import Choice, Number
 from workbench.scenarios.column import Striker
 
 

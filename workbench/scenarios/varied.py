@@ -15,14 +15,14 @@ from typing import Any, overload
 import numpy as np
 import pandas as pd
 
-from workbench.arrays import Array, Indices
-from workbench.errors import InputError
-from workbench.fields import Flag, Number
-from workbench.materials import Steel
-from workbench.scenarios.codec import Input, inputs_of, values_beside
+from workbench.base.arrays import Array, Indices
+from workbench.base.codec import Input, inputs_of, values_beside
+from workbench.base.errors import InputError
+from workbench.base.fields import Flag, Number
 from workbench.scenarios.column import Column, ColumnImpact, Striker
 from workbench.scenarios.files import KINDS, Scenario, scenario_from, to_toml
 from workbench.scenarios.parts import OVERRIDES
+from workbench.steel.materials import Steel
 
 Path_ = tuple[str | int, ...]
 _PARTS: dict[str, Any] = {"column": Column, "steel": Steel, "striker": Striker}

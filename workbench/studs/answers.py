@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pandas as pd
 
-from workbench.fields import Choice, Flag, Number, checked
+from workbench.base.fields import Choice, Flag, Number, checked
 from workbench.responses import finding
 from workbench.scenarios.laboratory import StudTests
 from workbench.studs.damaged import damaged_rows

@@ -14,8 +14,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from workbench.errors import InputError
-from workbench.fields import Choice
+from workbench.base.errors import InputError
+from workbench.base.fields import Choice
 from workbench.responses import Finding, finding
 from workbench.studs.formulas import strength_formula
 from workbench.studs.quantities import Array, equal_studs, named, shank_area, specimens

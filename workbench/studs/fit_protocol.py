@@ -15,7 +15,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 import pandas as pd
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.responses import Finding, finding
 from workbench.studs.statistics.intervals import Interval, profile_interval, scatter_intervals
 from workbench.studs.statistics.mixed import fit

@@ -17,8 +17,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from workbench.errors import InputError
-from workbench.fields import Choice
+from workbench.base.errors import InputError
+from workbench.base.fields import Choice
 from workbench.responses import Finding, finding
 from workbench.studs.fit_protocol import Fitted, fitted
 from workbench.studs.quantities import (

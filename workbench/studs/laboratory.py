@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.responses import Finding, finding
 from workbench.studs.damaged import damaged_rows, predicted_references
 from workbench.studs.fit_protocol import (

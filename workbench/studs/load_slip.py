@@ -15,8 +15,8 @@ from typing import Any, ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from workbench.errors import InputError, OutOfDomainError, SolverError
-from workbench.fields import Choice, Declared, Number, checked
+from workbench.base.errors import InputError, OutOfDomainError, SolverError
+from workbench.base.fields import Choice, Declared, Number, checked
 from workbench.studs.quantities import Array
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.responses import Finding, finding
 from workbench.studs.fit_protocol import (
     Fit,

@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from workbench.errors import InputError, OutOfDomainError
-from workbench.evidence import dataset
+from workbench.base.errors import InputError, OutOfDomainError
+from workbench.base.tables import FILES
 from workbench.models.base import Answering
 from workbench.responses import Finding, Response, build_response, finding
 from workbench.responses.uncertainty import SAMPLED
@@ -33,7 +33,7 @@ from workbench.studs.tables import (
     split_table,
     table_schemas,
 )
-from workbench.tables import FILES
+from workbench.study.error_model import dataset
 
 
 @dataclass(frozen=True)

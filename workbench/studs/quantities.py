@@ -12,10 +12,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from workbench.arrays import Array as Array
-from workbench.arrays import Flags
-from workbench.errors import InputError
-from workbench.fields import Choice
+from workbench.base.arrays import Array as Array
+from workbench.base.arrays import Flags
+from workbench.base.errors import InputError
+from workbench.base.fields import Choice
 from workbench.studs.schema import HEADED, NO_PREDAMAGE
 
 ACI_MODULUS = 4733e6  # Pa; Ec = 4733 sqrt(fc / MPa) MPa, normal-weight concrete, ACI 318

@@ -1,6 +1,6 @@
 """Tables of tests by their schemas; every bad row is named by file, line, column and reason.
 
-`workbench.tables` gives the cells; here are the header, cells by the schema, rows by its rules, and
+`workbench.base.tables` gives the cells; here are the header, cells by the schema, rows by its rules, and
 what must not repeat between rows.
 """
 
@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from workbench.errors import InputError
-from workbench.fields import Number, did_you_mean
+from workbench.base.errors import InputError
+from workbench.base.fields import Number, did_you_mean
+from workbench.base.tables import FOUND_OUT, PLAIN, Cells, Reading, cells_of, read_cells
 from workbench.studs.schema import EXTRA, TESTS, Column, Row, RowFinding, Table
-from workbench.tables import FOUND_OUT, PLAIN, Cells, Reading, cells_of, read_cells
 
 _SHOWN = 5  # problems that one message lists by line
 

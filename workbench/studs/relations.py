@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from workbench.errors import InputError, SolverError
+from workbench.base.errors import InputError, SolverError
 from workbench.studs.damaged import peaks_of
 from workbench.studs.quantities import Array
 from workbench.studs.schema import FATIGUE, LIFE

@@ -14,8 +14,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from workbench.arrays import Flags
-from workbench.errors import InputError
+from workbench.base.arrays import Flags
+from workbench.base.errors import InputError
 from workbench.responses import Finding, finding
 from workbench.studs.damaged import (
     ONSET_OF_FATIGUE_LOSS,

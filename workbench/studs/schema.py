@@ -12,8 +12,8 @@ from math import isnan, pi
 from pathlib import Path
 from typing import NamedTuple
 
-from workbench.fields import Choice, Number, Text
-from workbench.tables import COMMENT, records
+from workbench.base.fields import Choice, Number, Text
+from workbench.base.tables import COMMENT, records
 
 EXTRA = "x_"  # columns of the user's own begin with this and are kept as they are
 NO_PREDAMAGE = "none"

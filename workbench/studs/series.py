@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.studs.damaged import damage_of, damaged_rows
 from workbench.studs.quantities import LIKE_CONCRETE, Array, undamaged_headed_studs
 from workbench.studs.schema import NO_PREDAMAGE, QUANTITIES

@@ -12,8 +12,8 @@ from typing import Any, ClassVar
 import numpy as np
 import pandas as pd
 
-from workbench.errors import InputError
-from workbench.fields import Choice
+from workbench.base.errors import InputError
+from workbench.base.fields import Choice
 from workbench.responses import finding
 from workbench.studs.damaged import studs_in_words
 from workbench.studs.fit_protocol import (

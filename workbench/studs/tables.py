@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from workbench.errors import InputError
-from workbench.evidence import Dataset, dataset, datasets
-from workbench.evidence.catalogue import STUD_POINTS, STUD_TESTS
-from workbench.fields import Choice, did_you_mean
+from workbench.base.catalogue import STUD_POINTS, STUD_TESTS
+from workbench.base.errors import InputError
+from workbench.base.fields import Choice, did_you_mean
 from workbench.studs.quantities import Array
 from workbench.studs.reading import examine
 from workbench.studs.schema import POINTS, TESTS, Table
+from workbench.study.error_model import Dataset, dataset, datasets
 
 SHIPPED = {
     "stud-push-out": TESTS,

@@ -1,9 +1,9 @@
 """Studies: cases answered by models, the runner, the result store, the assessment of it."""
 
-from workbench.assessment.gates import Gate as Gate
-from workbench.assessment.variations import Budget as Budget
 from workbench.study.assess import Assessment as Assessment
 from workbench.study.assess import assess as assess
+from workbench.study.assessment.gates import Gate as Gate
+from workbench.study.assessment.variations import Budget as Budget
 from workbench.study.cells import cells_of as cells_of
 from workbench.study.definition import Case as Case
 from workbench.study.definition import Figure as Figure

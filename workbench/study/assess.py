@@ -9,8 +9,7 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
-from workbench.assessment.gates import GateVerdict, Verdict
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.responses import (
     Response,
     collapse_of,
@@ -19,6 +18,7 @@ from workbench.responses import (
     scalars_of,
 )
 from workbench.responses.variables import SCALARS, TIMES
+from workbench.study.assessment.gates import GateVerdict, Verdict
 from workbench.study.cells import Cell, cells_of
 from workbench.study.chooser import RANKING_COLUMNS, error_tables, ranking_rows
 from workbench.study.comparisons import (

@@ -19,14 +19,14 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from workbench.errors import InputError, message_of
-from workbench.evidence.advice import advised
+from workbench.base.errors import InputError, message_of
 from workbench.models.base import Model, options_of, signature
 from workbench.responses import Outcome, Response, failed_response, outcome_of, provenance
 from workbench.responses.uncertainty import check_stored
 from workbench.responses.variables import TABLE_DIGEST, TIMES, VOLATILE
 from workbench.scenarios import Scenario, scenario_hash
 from workbench.study.definition import Study
+from workbench.study.error_model.advice import advised
 from workbench.study.store import Ingredients, to_netcdf_bytes
 
 STORE_FORMAT = 3

@@ -15,13 +15,13 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
-from workbench.errors import OutOfDomainError
-from workbench.evidence.descriptors import variant_of
-from workbench.evidence.error_model import BEYOND, WARNED, chance_beyond
-from workbench.evidence.error_table import LocalMean, ends_of, table_of
+from workbench.base.errors import OutOfDomainError
 from workbench.models.strain_rate import feels_rate
 from workbench.responses import Outcome
 from workbench.study.definition import Study
+from workbench.study.error_model.descriptors import variant_of
+from workbench.study.error_model.error_model import BEYOND, WARNED, chance_beyond
+from workbench.study.error_model.error_table import LocalMean, ends_of, table_of
 from workbench.study.matrix import errors_of
 from workbench.study.tables import Columns, Row, Tables, counts, numbers, table, texts
 

@@ -18,11 +18,11 @@ from dataclasses import dataclass
 from math import hypot
 from typing import Any, NamedTuple
 
-from workbench.assessment import METRICS, Ladder, Metric, Scope, ladder
-from workbench.assessment.metric import sides
-from workbench.errors import Collapse, InputError
+from workbench.base.errors import Collapse, InputError
 from workbench.responses import Outcome, Response, collapse_of, findings_of, outcome_of
 from workbench.responses import uncertainty as numerical
+from workbench.study.assessment import METRICS, Ladder, Metric, Scope, ladder
+from workbench.study.assessment.metric import sides
 from workbench.study.definition import Case, Study
 from workbench.study.tables import Row, counts, numbers, texts
 

@@ -9,14 +9,14 @@ from math import isfinite
 from numbers import Real
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from workbench.assessment import METRICS, Gate, Scope
-from workbench.assessment.variations import Budget
-from workbench.errors import InputError, one_line
-from workbench.evidence.catalogue import DATA as DATA
-from workbench.fields import Choice, did_you_mean
+from workbench.base.catalogue import DATA as DATA
+from workbench.base.errors import InputError, one_line
+from workbench.base.fields import Choice, did_you_mean
 from workbench.responses import VARIABLES
 from workbench.responses.uncertainty import level_names
 from workbench.scenarios import Scenario
+from workbench.study.assessment import METRICS, Gate, Scope
+from workbench.study.assessment.variations import Budget
 
 if TYPE_CHECKING:
     from workbench.models.base import Model

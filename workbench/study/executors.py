@@ -18,7 +18,7 @@ from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from workbench.errors import InputError, WorkbenchError
+from workbench.base.errors import InputError, WorkbenchError
 from workbench.responses import Outcome
 from workbench.study.cells import Result, Task, is_late, perform, timed_out, unanswered
 

@@ -12,13 +12,13 @@ from dataclasses import asdict, dataclass, replace
 from math import sqrt
 from typing import Any
 
-from workbench.evidence.advice import CLOSE, advise
 from workbench.models.base import Model, on_one_mesh
 from workbench.responses import Outcome, Response, collapse_of, outcome_of, survives, warnings_of
 from workbench.responses.histories import NO_PEAK, largest_of
 from workbench.scenarios import Scenario
 from workbench.scenarios.column import DURATION
 from workbench.scenarios.pulse import PEAK
+from workbench.study.error_model.advice import CLOSE, advise
 
 PARTS = 8  # of the range, until a collapse is found
 SMALL = 1e-3  # of the range; values below it do not make the bracket narrower

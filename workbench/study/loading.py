@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from traceback import extract_tb
 
-from workbench.datafiles import data_directory
-from workbench.errors import InputError, message_of
-from workbench.fields import did_you_mean
+from workbench.base.datafiles import data_directory
+from workbench.base.errors import InputError, message_of
+from workbench.base.fields import did_you_mean
 from workbench.study.definition import Study
 
 

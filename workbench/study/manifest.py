@@ -10,11 +10,11 @@ from typing import Any
 
 import xarray as xr
 
-from workbench.errors import InputError, WorkbenchError
+from workbench.base.codec import label_of
+from workbench.base.errors import InputError, WorkbenchError
 from workbench.models.base import options_of
 from workbench.responses import Outcome, provenance
 from workbench.scenarios import scenario_hash, to_toml
-from workbench.scenarios.codec import label_of
 from workbench.study.cells import Cell, cells_of, key_of
 from workbench.study.definition import Study
 from workbench.study.store import Ingredients, Store, canonical_json, write_atomically

@@ -11,9 +11,9 @@ from math import inf
 
 import pandas as pd
 
-from workbench.assessment import bias_and_scatter
-from workbench.assessment.budget import PEAK, REMAINS, RESIDUAL
 from workbench.responses import Outcome
+from workbench.study.assessment import bias_and_scatter
+from workbench.study.assessment.budget import PEAK, REMAINS, RESIDUAL
 from workbench.study.definition import Study, holds_data
 from workbench.study.error_rows import DOUBTFUL
 from workbench.study.store import NOT_RUN

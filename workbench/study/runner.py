@@ -18,7 +18,7 @@ from statistics import fmean
 from types import MappingProxyType
 from typing import Any, TextIO
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.responses import Outcome
 from workbench.study.cells import Cell, cells_of, select, task_of
 from workbench.study.definition import Study

@@ -24,7 +24,7 @@ import numpy as np
 import xarray as xr
 from scipy.io import netcdf_file, netcdf_variable
 
-from workbench.errors import InputError, WorkbenchError
+from workbench.base.errors import InputError, WorkbenchError
 from workbench.responses import Response, outcome_of, response_of
 from workbench.responses.uncertainty import check_stored
 

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from workbench.datafiles import check_library
+from workbench.base.datafiles import check_library
 from workbench.study.store import read_netcdf, to_netcdf_bytes, write_atomically
 
 Row = Mapping[str, Any]

@@ -11,9 +11,9 @@ from math import sqrt
 
 import pandas as pd
 
-from workbench.assessment import METRICS
-from workbench.errors import InputError, SolverError
+from workbench.base.errors import InputError, SolverError
 from workbench.responses import is_synthetic
+from workbench.study.assessment import METRICS
 from workbench.study.comparisons import Answers, compare
 from workbench.study.definition import Study, holds_data
 from workbench.study.tables import Row, counts, numbers, texts

@@ -8,10 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
 from typing import NamedTuple
 
-from workbench.assessment import METRICS
-from workbench.assessment.budget import PEAK
-from workbench.assessment.gates import CaseVerdict, Gate, GateVerdict, Verdict, judge
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.responses import (
     Finding,
     Outcome,
@@ -21,6 +18,9 @@ from workbench.responses import (
     outcome_of,
     survives,
 )
+from workbench.study.assessment import METRICS
+from workbench.study.assessment.budget import PEAK
+from workbench.study.assessment.gates import CaseVerdict, Gate, GateVerdict, Verdict, judge
 from workbench.study.comparisons import Answers, compare, of_side
 from workbench.study.definition import Study
 from workbench.study.tables import Row, counts, lists, numbers, texts

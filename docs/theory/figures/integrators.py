@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-from workbench.impact.complementarity import Restitution
-from workbench.impact.laboratory import run
-from workbench.impact.schemes import scheme
-from workbench.impact.system import springs
+from workbench.extras.laboratory.complementarity import Restitution
+from workbench.extras.laboratory.schemes import scheme
+from workbench.extras.laboratory.system import springs
+from workbench.extras.laboratory.systems import run
 from workbench.report.drawing.style import GRID, INK, MUTED, PALETTE, house_style, new_figure
 from workbench.report.gallery import to_svg
 

@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 
 import workbench as wb
-from workbench.materials import GRADES, MILD_STEEL
 from workbench.report.drawing.style import GRID, PALETTE, house_style, logarithmic, new_figure
 from workbench.report.gallery import to_svg
+from workbench.steel.materials import GRADES, MILD_STEEL
 
 COLUMN = wb.Column(
     "HEB 220", 0.8, 3.2, fillets=False, axial_load="500 kN", restraint_stiffness="10 kN/mm"

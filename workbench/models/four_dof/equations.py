@@ -7,16 +7,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from workbench.arrays import Array
-from workbench.compiled import njit
-from workbench.hinges.kernels import ELASTIC
-from workbench.impact.contact import inner
-from workbench.impact.newton import Equations, newton_of
-from workbench.impact.pace import EPS
+from workbench.base.arrays import Array
+from workbench.base.compiled import njit
+from workbench.mechanics.impact.contact import inner
+from workbench.mechanics.impact.newton import Equations, newton_of
+from workbench.mechanics.impact.pace import EPS
+from workbench.mechanics.structures.kernels import copy, solve_four
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof import statics
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
-from workbench.structures.kernels import copy, solve_four
+from workbench.steel.hinges.kernels import ELASTIC
 
 _TRIES, _WEIGHED = 100, 1e-10  # at rest under a weight; share of that which is left
 _TOLERANCE = 1e-8  # of the squash load: the error of a step is far larger

@@ -2,10 +2,10 @@
 
 from numba.extending import overload
 
-from workbench.compiled import njit
-from workbench.hinges.kernels import ELASTIC, project
-from workbench.hinges.viscoplastic_kernels import flow_of_bar
+from workbench.base.compiled import njit
 from workbench.models.four_dof import kinematics as geometry
+from workbench.steel.hinges.kernels import ELASTIC, project
+from workbench.steel.hinges.viscoplastic_kernels import flow_of_bar
 
 _FLOWING = ELASTIC + 1
 

@@ -28,10 +28,10 @@ e = X cos + Y sin, s = Y cos - X sin of phi / 2, with X = x - l cos phi, Y = v -
 
 import numpy as np
 
-from workbench.compiled import njit
-from workbench.hinges.kernels import newton_in_bracket
-from workbench.hinges.panel_elements import project_condensed
-from workbench.hinges.panel_kernels import Panel, project_panel
+from workbench.base.compiled import njit
+from workbench.steel.hinges.kernels import newton_in_bracket
+from workbench.steel.hinges.panel_elements import project_condensed
+from workbench.steel.hinges.panel_kernels import Panel, project_panel
 
 V, U1, BETA, U2 = 0, 1, 2, 3
 BELOW, ABOVE = 0, 1

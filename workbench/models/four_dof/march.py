@@ -1,7 +1,7 @@
-"""The impacted column as the integrator of `workbench.impact` takes it (Heng 2017, chapter 3).
+"""The impacted column as the integrator of `workbench.mechanics.impact` takes it (Heng 2017, chapter 3).
 
 The impact mass m1 moves with v1 and u1, the head mass m2 (may be zero) with u2; beta1 is massless.
-Steps hold the error of the displacement, see `workbench.impact.pace`; and hinges that flow, whose
+Steps hold the error of the displacement, see `workbench.mechanics.impact.pace`; and hinges that flow, whose
 forces are those at the end of a step (backward Euler), may flow by no more than `flow` times their
 elastic deformation at yielding. Axial vibrations of the masses are not resolved: the midpoint rule
 keeps their energy at any step.
@@ -9,10 +9,10 @@ keeps their energy at any step.
 
 import numpy as np
 
-from workbench.compiled import njit, register_jitable
-from workbench.frames.collapse import COLLAPSE_CONTRACTION, COLLAPSE_SIDEWAYS
-from workbench.impact.contact import called, inner, moreau_step_of
-from workbench.impact.integrator import (
+from workbench.base.compiled import njit, register_jitable
+from workbench.mechanics.frames.collapse import COLLAPSE_CONTRACTION, COLLAPSE_SIDEWAYS
+from workbench.mechanics.impact.contact import called, inner, moreau_step_of
+from workbench.mechanics.impact.integrator import (
     COLLAPSE,
     COMMON,
     DONE,
@@ -22,7 +22,8 @@ from workbench.impact.integrator import (
     march_of,
     no_flow,
 )
-from workbench.impact.records import standstill
+from workbench.mechanics.impact.records import standstill
+from workbench.mechanics.structures.kernels import copy
 from workbench.models.batch import COLLAPSES, UNKNOWN
 from workbench.models.four_dof import statics
 from workbench.models.four_dof.equations import TwoBars, newton, predict
@@ -30,7 +31,6 @@ from workbench.models.four_dof.kinematics import CHORD, RIGID_IN_SHEAR, U1, U2, 
 from workbench.models.four_dof.statics import STATE, WORK
 from workbench.responses.histories import FORCE_WINDOW, open_share, unbalanced
 from workbench.responses.kernels import largest_window, mean_of_cycles, signed_peak
-from workbench.structures.kernels import copy
 
 # bar and place of the hinges from base to head
 HINGES = ((0, 1), (0, 2), (1, 2), (1, 1))
@@ -252,7 +252,7 @@ def impact(columns, states, room, drive, progress, records):
     """Follow an impact: (status, rows).
 
     Arguments: `columns` (1,) of COLUMN, `states` (2,) of STATE, `room` (1,) of WORK, see `statics`;
-    `drive`, `progress` and `records` of `workbench.impact`.
+    `drive`, `progress` and `records` of `workbench.mechanics.impact`.
     """
     pace = begin(drive, progress[0])
     return _midpoint(start(columns, states, room, pace), pace, progress[0], records)

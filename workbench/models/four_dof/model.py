@@ -5,13 +5,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from workbench.arrays import Flags
-from workbench.errors import CollapseError
-from workbench.fields import Choice, Flag, Number, checked
-from workbench.frames.members import shear_stiffness
-from workbench.hinges import ShearSurface, YieldSurface, has_shear_surface, has_webs
-from workbench.hinges.interaction import SHEAR_DEPTHS, fitted_exponents
-from workbench.hinges.rate import bar_law, panel_law
+from workbench.base.arrays import Flags
+from workbench.base.errors import CollapseError
+from workbench.base.fields import Choice, Flag, Number, checked
+from workbench.mechanics.frames.members import shear_stiffness
 from workbench.models.batch import SURVIVES, UNKNOWN, Answers
 from workbench.models.domain import buckles, shear_findings, stub_findings
 from workbench.models.elastic_springs import Springs, beam_springs
@@ -24,6 +21,9 @@ from workbench.models.strain_rate import flows
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnImpact, ColumnScenario
 from workbench.scenarios.varied import spread
+from workbench.steel.hinges import ShearSurface, YieldSurface, has_shear_surface, has_webs
+from workbench.steel.hinges.interaction import SHEAR_DEPTHS, fitted_exponents
+from workbench.steel.hinges.rate import bar_law, panel_law
 
 _SHEARED = 0.15  # mean sliding over length from which a solid's flanges carry tension
 _KINEMATICS = {"chord": kinematics.CHORD, "section": kinematics.SECTION}

@@ -16,13 +16,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from workbench.arrays import Array
-from workbench.errors import Collapse, CollapseError, Mechanism, OutOfDomainError, SolverError
-from workbench.fields import Choice, Flag, Number, checked
-from workbench.frames.collapse import COLLAPSE_SIDEWAYS
-from workbench.frames.runs import resting
-from workbench.impact.pace import Pace
-from workbench.impact.records import Run, follow, followed, histories_of
+from workbench.base.arrays import Array
+from workbench.base.errors import Collapse, CollapseError, Mechanism, OutOfDomainError, SolverError
+from workbench.base.fields import Choice, Flag, Number, checked
+from workbench.mechanics.frames.collapse import COLLAPSE_SIDEWAYS
+from workbench.mechanics.frames.runs import resting
+from workbench.mechanics.impact.pace import Pace
+from workbench.mechanics.impact.records import Run, follow, followed, histories_of
 from workbench.models.base import Answering
 from workbench.models.domain import buckling_findings, count_finding, step_finding
 from workbench.models.elastic_springs import Springs, thesis_springs

@@ -9,14 +9,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from workbench.compiled import njit
-from workbench.hinges.flow_kernels import LAW, MOST
-from workbench.hinges.kernels import newton_in_bracket
-from workbench.hinges.panel_kernels import WEB
+from workbench.base.compiled import njit
+from workbench.mechanics.structures.kernels import copy, solve_four
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof.hinge_forces import hinge_forces
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
-from workbench.structures.kernels import copy, solve_four
+from workbench.steel.hinges.flow_kernels import LAW, MOST
+from workbench.steel.hinges.kernels import newton_in_bracket
+from workbench.steel.hinges.panel_kernels import WEB
 
 OK, NO_CONVERGENCE, COLLAPSE = 0, 1, 2
 TOLERANCE = 1e-10  # of the squash load

@@ -14,14 +14,12 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from workbench.arrays import Array, Flags
-from workbench.errors import Collapse, CollapseError, OutOfDomainError, SolverError
-from workbench.errors import Mechanism as Fall
-from workbench.frames.collapse import COLLAPSE_SIDEWAYS
-from workbench.hinges import ShearSurface
+from workbench.base.arrays import Array, Flags
+from workbench.base.errors import Collapse, CollapseError, OutOfDomainError, SolverError
+from workbench.base.errors import Mechanism as Fall
+from workbench.mechanics.frames.collapse import COLLAPSE_SIDEWAYS
 from workbench.models.domain import buckling_findings, member_findings
 from workbench.models.four_dof import FourDofShear
-from workbench.models.practice.deflected_shape import beam_of
 from workbench.models.resistance.curve import (
     SECTION,
     Mechanism,
@@ -30,12 +28,14 @@ from workbench.models.resistance.curve import (
     mechanism_of,
     straight_pieces,
 )
+from workbench.models.resistance.deflected_shape import beam_of
 from workbench.models.resistance.given import GIVEN, NOTHING, PANEL, given_curve, is_given
 from workbench.models.resistance.shapes import RESISTANCES, Rows, resistance_curve
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnPushover, ColumnScenario, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
 from workbench.scenarios.varied import spread
+from workbench.steel.hinges import ShearSurface
 
 
 def transition_length(surface: ShearSurface) -> float:

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from workbench.arrays import Array
-from workbench.errors import OutOfDomainError
-from workbench.frames.members import shear_stiffness
+from workbench.base.arrays import Array
+from workbench.base.errors import OutOfDomainError
+from workbench.mechanics.frames.members import shear_stiffness
 from workbench.models.elastic_springs import beam_springs, thesis_springs
 from workbench.models.resistance import kernels
 from workbench.scenarios import Column

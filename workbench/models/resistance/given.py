@@ -12,10 +12,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from workbench.arrays import Array
-from workbench.datafiles import open_input
-from workbench.errors import InputError
-from workbench.fields import Choice, Number, checked
+from workbench.base.arrays import Array
+from workbench.base.datafiles import open_input
+from workbench.base.errors import InputError
+from workbench.base.fields import Choice, Number, checked
+from workbench.base.tables import FILES, read_points
 from workbench.models.base import Answering
 from workbench.models.domain import buckles
 from workbench.models.hit_mass import HIT_MASS, THESIS
@@ -29,7 +30,6 @@ from workbench.models.resistance.curve import (
 from workbench.models.resistance.shapes import RESISTANCES
 from workbench.models.strain_rate import rate_factor
 from workbench.scenarios import ColumnImpact, ColumnScenario
-from workbench.tables import FILES, read_points
 
 GIVEN = "given"  # shape of such a curve
 _COLUMNS = {"displacement_m": Number(0.0, 1e3, "m"), "force_N": Number(0.0, 1e12, "N")}

@@ -6,7 +6,7 @@ c3 x^3 in x = v - start, and the last piece has no end.
 
 import numpy as np
 
-from workbench.compiled import njit
+from workbench.base.compiled import njit
 
 PIECE = np.dtype(
     [

@@ -16,13 +16,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from workbench.arrays import Array
-from workbench.compiled import njit
-from workbench.errors import OutOfDomainError
+from workbench.base.arrays import Array
+from workbench.base.compiled import njit
+from workbench.base.errors import OutOfDomainError
+from workbench.mechanics.structures.kernels import copy
 from workbench.models.resistance import curve as events
 from workbench.models.resistance.curve import Groups, Mechanism, Pieces, ResistanceCurve
 from workbench.models.resistance.kernels import PIECE, falling_root, lost_at, sum_up
-from workbench.structures.kernels import copy
 
 RESISTANCES = ("analytic", "cubic", "linear")
 _MOST_PIECES = 40

@@ -1,4 +1,4 @@
-"""One mass on its spring as the integrator of `workbench.impact` takes it.
+"""One mass on its spring as the integrator of `workbench.mechanics.impact` takes it.
 
 Two entries: `impact` with energy-conserving midpoint steps, as long as the error allows or equal;
 `explicit_impact` with Moreau's steps; `pulse` has a third. `impacts` follows many columns, with
@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from workbench.compiled import njit
-from workbench.impact.contact import explicit_percussion, inner, moreau_step_of, uncounted
-from workbench.impact.integrator import (
+from workbench.base.compiled import njit
+from workbench.mechanics.impact.contact import explicit_percussion, inner, moreau_step_of, uncounted
+from workbench.mechanics.impact.integrator import (
     COLLAPSE,
     COMMON,
     DONE,
@@ -24,8 +24,8 @@ from workbench.impact.integrator import (
     march_of,
     no_flow,
 )
-from workbench.impact.pace import Pace
-from workbench.impact.records import standstill
+from workbench.mechanics.impact.pace import Pace
+from workbench.mechanics.impact.records import standstill
 from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN
 from workbench.models.resistance.kernels import residual, unloading_stiffness
 from workbench.models.resistance.shapes import curve_of
@@ -247,7 +247,7 @@ def at_rest(drive, pieces):
 def impact(pieces, drive, progress, records):
     """Follow an impact: (status, rows).
 
-    Arguments: `pieces` of the resistance; `drive`, `progress` and `records` of `workbench.impact`,
+    Arguments: `pieces` of the resistance; `drive`, `progress` and `records` of `workbench.mechanics.impact`,
     the drive with elastic limit (m), displacement of collapse (m), impact mass (kg), dead force (N)
     and displacement under it (m), from which those of the records count.
     """

@@ -14,11 +14,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from workbench.arrays import Array, Flags
-from workbench.errors import CollapseError, OutOfDomainError
-from workbench.fields import Choice, Number, checked
-from workbench.impact.pace import Pace
-from workbench.impact.records import Run, follow, followed
+from workbench.base.arrays import Array, Flags
+from workbench.base.errors import CollapseError, OutOfDomainError
+from workbench.base.fields import Choice, Number, checked
+from workbench.mechanics.impact.pace import Pace
+from workbench.mechanics.impact.records import Run, follow, followed
 from workbench.models.batch import LOST, SURVIVES, UNKNOWN, Answers
 from workbench.models.domain import step_finding
 from workbench.models.energy_estimate import energy_to_absorb

@@ -16,14 +16,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from workbench.arrays import Array
-from workbench.compiled import njit
-from workbench.impact.contact import uncounted
-from workbench.impact.integrator import DRIVE, Model, begin, march_of, no_flow
-from workbench.impact.pace import Pace
-from workbench.impact.records import follow
-from workbench.models.practice.deflected_shape import beam_of
+from workbench.base.arrays import Array
+from workbench.base.compiled import njit
+from workbench.mechanics.impact.contact import uncounted
+from workbench.mechanics.impact.integrator import DRIVE, Model, begin, march_of, no_flow
+from workbench.mechanics.impact.pace import Pace
+from workbench.mechanics.impact.records import follow
 from workbench.models.resistance import ResistanceCurve, columns
+from workbench.models.resistance.deflected_shape import beam_of
 from workbench.models.single_dof import march
 from workbench.models.single_dof.spring import solve_midpoint
 from workbench.responses import Response, build_response

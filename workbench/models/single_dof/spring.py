@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from workbench.compiled import njit
-from workbench.impact.pace import EPS
+from workbench.base.compiled import njit
+from workbench.mechanics.impact.pace import EPS
 from workbench.models.resistance.kernels import on_curve, unloading_stiffness, work_between
 
 

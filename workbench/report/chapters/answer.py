@@ -5,16 +5,16 @@ from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
-from workbench.assessment.budget import PEAK, RESIDUAL
-from workbench.content.formatting import duration, part, percent, title_of
-from workbench.content.page import Page
-from workbench.content.tree import Block, Cell, Column, Picture, Section, Table, marked
-from workbench.registry import model_names
+from workbench.models.registry import model_names
 from workbench.report.chapters import choice, configuration, results, verdicts
 from workbench.report.chapters.budgets import budgets
 from workbench.report.chapters.choice import FAIR, Row
+from workbench.report.page.formatting import duration, part, percent, title_of
+from workbench.report.page.page import Page
+from workbench.report.page.tree import Block, Cell, Column, Picture, Section, Table, marked
 from workbench.report.stored import BEST, CellState, Stored
 from workbench.responses import Finding
+from workbench.study.assessment.budget import PEAK, RESIDUAL
 from workbench.study.definition import Figure, Study
 
 GOOD = 0.05  # bound of what may be relied on

@@ -5,11 +5,11 @@ from functools import partial
 from math import floor, isfinite
 from typing import Any
 
-from workbench.assessment.budget import COVERAGE, MODEL_FORM, NUMERICAL, PEAK, SUMS, TOTAL
-from workbench.content.formatting import in_unit, percent
-from workbench.content.page import Page
-from workbench.content.tree import Block, Cell, Column, Section, Table
+from workbench.report.page.formatting import in_unit, percent
+from workbench.report.page.page import Page
+from workbench.report.page.tree import Block, Cell, Column, Section, Table
 from workbench.report.stored import Stored
+from workbench.study.assessment.budget import COVERAGE, MODEL_FORM, NUMERICAL, PEAK, SUMS, TOTAL
 
 Row = Mapping[str, Any]
 PAGE = Page(__file__)

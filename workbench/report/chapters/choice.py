@@ -4,18 +4,18 @@ from collections.abc import Iterable, Iterator
 from math import ceil
 from typing import Any
 
-from workbench.assessment.budget import PEAK, RESIDUAL
-from workbench.content.formatting import title_of
-from workbench.content.page import Page
-from workbench.content.tree import Block, Section
-from workbench.evidence.descriptors import command_of
-from workbench.evidence.error_model import BEYOND, ExpectedError
-from workbench.evidence.error_table import ANCHOR
 from workbench.report.chapters.configuration import hit_distance
+from workbench.report.page.formatting import title_of
+from workbench.report.page.page import Page
+from workbench.report.page.tree import Block, Section
 from workbench.report.stored import Stored
 from workbench.study.assess import ERROR
+from workbench.study.assessment.budget import PEAK, RESIDUAL
 from workbench.study.chooser import CORRECTED, SURE
 from workbench.study.definition import Study
+from workbench.study.error_model.descriptors import command_of
+from workbench.study.error_model.error_model import BEYOND, ExpectedError
+from workbench.study.error_model.error_table import ANCHOR
 
 FAIR = 0.10  # bound of what may do
 SURELY = 0.05  # chance of as many pairs if two models were equal, from which one is better

@@ -6,14 +6,14 @@ import tomllib
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from workbench.content.bibliography import cited
-from workbench.content.formatting import brief, several
-from workbench.content.page import Page
-from workbench.content.tree import Block, Listing, Section
-from workbench.errors import OutOfDomainError
-from workbench.frames.column_line import column_line
+from workbench.base.errors import OutOfDomainError
+from workbench.mechanics.frames.column_line import column_line
 from workbench.models.base import Model, options_of
 from workbench.report.drawing.layout import Layout
+from workbench.report.page.bibliography import cited
+from workbench.report.page.formatting import brief, several
+from workbench.report.page.page import Page
+from workbench.report.page.tree import Block, Listing, Section
 from workbench.report.stored import Stored
 from workbench.scenarios import ColumnImpact, Frame, FrameImpact, Striker, to_toml
 from workbench.study.definition import Case, Study

@@ -7,9 +7,9 @@ from typing import Any
 
 import pandas as pd
 
-from workbench.content.formatting import several, valued
-from workbench.content.page import Page
-from workbench.content.tree import Cell, Column, Section, Table
+from workbench.report.page.formatting import several, valued
+from workbench.report.page.page import Page
+from workbench.report.page.tree import Cell, Column, Section, Table
 from workbench.report.stored import Stored
 from workbench.responses import Outcome
 from workbench.responses.outcome import WARNING

@@ -5,8 +5,7 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import Any
 
-from workbench.assessment import METRICS, Scope
-from workbench.content.formatting import (
+from workbench.report.page.formatting import (
     axis_label,
     duration,
     in_unit,
@@ -17,12 +16,13 @@ from workbench.content.formatting import (
     unit_of,
     valued,
 )
-from workbench.content.page import Page
-from workbench.content.tree import ABSENT, Block, Cell, Column, Section, Table
+from workbench.report.page.page import Page
+from workbench.report.page.tree import ABSENT, Block, Cell, Column, Section, Table
 from workbench.report.stored import BEST, Stored
 from workbench.responses import Outcome
 from workbench.responses.uncertainty import sampled_interval
 from workbench.study.assess import width_of
+from workbench.study.assessment import METRICS, Scope
 from workbench.study.definition import DATA, Study, holds_data
 from workbench.study.tables import rows_of
 from workbench.study.validation import MEASURED

@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from workbench.content.formatting import number
-from workbench.content.tree import Block, Section
 from workbench.report.chapters.studs import page, records
+from workbench.report.page.formatting import number
+from workbench.report.page.tree import Block, Section
 from workbench.report.stored import Stored
 from workbench.responses import Finding, findings_of
 from workbench.scenarios import StudTests

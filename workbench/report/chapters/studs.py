@@ -10,10 +10,10 @@ from typing import Any
 
 import pandas as pd
 
-from workbench.content import formatting
-from workbench.content.bibliography import cited
-from workbench.content.page import Page
-from workbench.content.tree import Block, Cell, Column, Table
+from workbench.report.page import formatting
+from workbench.report.page.bibliography import cited
+from workbench.report.page.page import Page
+from workbench.report.page.tree import Block, Cell, Column, Table
 from workbench.responses import Finding
 from workbench.studs.fit_protocol import Tables, ranked
 from workbench.studs.formulas import FORMULAS

@@ -4,12 +4,12 @@ from collections.abc import Iterable
 from math import inf
 from typing import Any
 
-from workbench.assessment import Verdict
-from workbench.content.bibliography import cited
-from workbench.content.formatting import interval, metric_title, metric_value, spans
-from workbench.content.page import Page
-from workbench.content.tree import Block, Callout, Cell, Section
+from workbench.report.page.bibliography import cited
+from workbench.report.page.formatting import interval, metric_title, metric_value, spans
+from workbench.report.page.page import Page
+from workbench.report.page.tree import Block, Callout, Cell, Section
 from workbench.report.stored import Stored
+from workbench.study.assessment import Verdict
 
 TONES = {verdict.value: "doubt" for verdict in Verdict} | {"pass": "good", "fail": "bad"}
 _PRINTED = 30

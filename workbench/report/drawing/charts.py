@@ -9,15 +9,15 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 
-from workbench.arrays import Array
-from workbench.assessment.budget import PEAK
-from workbench.content.formatting import axis_label, unit_of
-from workbench.errors import InputError
+from workbench.base.arrays import Array
+from workbench.base.errors import InputError
 from workbench.report.drawing.sheet import Drawing, Sheet, canvas_of
 from workbench.report.drawing.style import INTERVAL, MUTED, Style, entry, logarithmic, numbered
+from workbench.report.page.formatting import axis_label, unit_of
+from workbench.study.assessment.budget import PEAK
 
 if TYPE_CHECKING:
-    from workbench.uncertainty.fragility import Fragility
+    from workbench.extras.uncertainty.fragility import Fragility
 
 _MOST_LINES = 10  # told apart by their colours and dashes
 VELOCITY = "impact velocity (m/s)"

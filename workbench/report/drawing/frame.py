@@ -5,12 +5,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from workbench.content.formatting import MINUS, NO_BREAK, Unit, brief, count
 from workbench.report.drawing import symbols
 from workbench.report.drawing.layout import Layout, displacement_unit
 from workbench.report.drawing.sheet import first
 from workbench.report.drawing.style import INK, MUTED, PALETTE, Style
 from workbench.report.drawing.symbols import DOWN, LEFT, LIGHT, RIGHT, arrow, face, note
+from workbench.report.page.formatting import MINUS, NO_BREAK, Unit, brief, count
 from workbench.scenarios import (
     FrameGroundMotion,
     FrameImpact,

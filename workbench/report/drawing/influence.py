@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from workbench.content.formatting import percent
 from workbench.report.drawing.sheet import Drawing, Sheet, grid_shape, nothing
 from workbench.report.drawing.style import INK, MUTED, PALETTE, WARNING, Style, entry
+from workbench.report.page.formatting import percent
 
 _ROW, _EDGES = 0.17, 0.8  # inches: of a test, and of titles and axes
 _HIGHEST = 7.2  # inches: with its caption the figure fits on a page

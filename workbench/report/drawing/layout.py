@@ -9,7 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from workbench.content.formatting import Unit, unit_of
+from workbench.extras.uncertainty.inputs import uncertain_from_text
+from workbench.report.page.formatting import Unit, unit_of
 from workbench.scenarios import (
     Frame,
     FrameScenario,
@@ -20,7 +21,6 @@ from workbench.scenarios import (
     UncertainImpact,
     frame_scenario,
 )
-from workbench.uncertainty.inputs import uncertain_from_text
 
 _LEAST_DEPTH = 0.035  # inches that a member takes at least, so that it can be seen
 _WIDE, _HIGH, _UPRIGHT = 4.2, 2.9, 2.4  # inches that a frame, and a single column, may take

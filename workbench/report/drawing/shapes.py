@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.content.formatting import NO_BREAK, THIN, number
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 from workbench.report.drawing.layout import displacement_unit, frame_scenario_of
 from workbench.report.drawing.sheet import Absences, Array, Request
 from workbench.report.drawing.style import PALETTE
+from workbench.report.page.formatting import NO_BREAK, THIN, number
 from workbench.responses import Response
 from workbench.scenarios import Column, ColumnScenario, Frame, FrameScenario, Scenario
 from workbench.study.definition import Case

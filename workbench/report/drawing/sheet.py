@@ -12,8 +12,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 
-from workbench.arrays import Array as Array
-from workbench.arrays import Indices
+from workbench.base.arrays import Array as Array
+from workbench.base.arrays import Indices
 from workbench.report.drawing.style import (
     TEXT_WIDTH,
     Look,

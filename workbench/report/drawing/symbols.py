@@ -14,9 +14,9 @@ from matplotlib.patches import Arc, Circle, FancyArrowPatch, PathPatch, Polygon
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
-from workbench.arrays import Array
+from workbench.base.arrays import Array
 from workbench.report.drawing.style import INK, MUTED, Style
-from workbench.sections import CircularTube, ISection, RectangularTube, Section
+from workbench.steel.sections import CircularTube, ISection, RectangularTube, Section
 
 LIGHT = "#eef1f4"
 SMALL = 7.0

@@ -11,9 +11,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from markupsafe import Markup
 
-from workbench.content.documents import STYLE, templates
-from workbench.content.formatting import count
-from workbench.content.tree import Callout
 from workbench.report.chapters import answer, choice, results
 from workbench.report.chapters.answer import MatrixCell, MatrixRow, matrix_rows, time_against
 from workbench.report.drawing.frame import DIRECTIONS
@@ -33,6 +30,9 @@ from workbench.report.explorer.cells import (
     record_of,
 )
 from workbench.report.figures.curves import PARTS
+from workbench.report.page.documents import STYLE, templates
+from workbench.report.page.formatting import count
+from workbench.report.page.tree import Callout
 from workbench.report.stored import CellState, Stored
 from workbench.scenarios import FrameImpact, UncertainImpact
 from workbench.study.definition import Case, Study

@@ -12,20 +12,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from workbench.arrays import Array
-from workbench.assessment.budget import PEAK, RESIDUAL
-from workbench.content.formatting import duration, in_unit, interval
+from workbench.base.arrays import Array
+from workbench.extras.uncertainty.exceedance import MEDIAN
 from workbench.report.chapters.answer import GOOD
 from workbench.report.chapters.choice import FAIR
 from workbench.report.drawing.shapes import YIELDS, Points, Shapes, shapes_of
 from workbench.report.drawing.sheet import evenly, thinned
 from workbench.report.figures.curves import ledger
+from workbench.report.page.formatting import duration, in_unit, interval
 from workbench.report.stored import CellState
 from workbench.responses import Outcome, Response
 from workbench.responses.uncertainty import directions_of, estimate, uncertainty_of, variants
 from workbench.scenarios import ColumnImpact, FrameImpact
+from workbench.study.assessment.budget import PEAK, RESIDUAL
 from workbench.study.definition import DATA, Case
-from workbench.uncertainty.exceedance import MEDIAN
 
 _BOW = 0.002  # of the size of the structure: a member that bends less is sent by its ends
 

@@ -9,7 +9,7 @@ import importlib
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from workbench.fields import Choice
+from workbench.base.fields import Choice
 
 if TYPE_CHECKING:
     from workbench.report.drawing.sheet import Drawing, Request

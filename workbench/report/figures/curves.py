@@ -16,12 +16,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
-from workbench.content.formatting import Unit, axis_label, number, title_of, unit_of
-from workbench.fields import Choice
+from workbench.base.fields import Choice
 from workbench.report.drawing.charts import VELOCITY, exceedance
 from workbench.report.drawing.layout import displacement_unit
 from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, evenly, nothing, thinned
 from workbench.report.drawing.style import INK, MUTED, Style, entry
+from workbench.report.page.formatting import Unit, axis_label, number, title_of, unit_of
 from workbench.responses import Response
 from workbench.scenarios import ColumnImpact, FrameImpact, FrameStatic
 from workbench.study.definition import Case

@@ -16,7 +16,6 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize, to_hex
 
-from workbench.content.formatting import TIMES, in_unit
 from workbench.report.drawing.shapes import (
     REST,
     YIELDING,
@@ -31,6 +30,7 @@ from workbench.report.drawing.shapes import (
 )
 from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, first, nothing
 from workbench.report.drawing.style import INK, MUTED, TEXT_WIDTH, Style, entry
+from workbench.report.page.formatting import TIMES, in_unit
 from workbench.study.definition import Case
 
 _MOST_ROWS = 5

@@ -11,14 +11,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from workbench.content.formatting import several
-from workbench.errors import InputError
-from workbench.hinges import YieldSurface
+from workbench.base.errors import InputError
 from workbench.report.drawing.layout import frame_scenario_of
 from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, evenly, nothing
 from workbench.report.drawing.style import INK, MUTED, PALETTE, TEXT_WIDTH, Style, entry
+from workbench.report.page.formatting import several
 from workbench.responses import Response
 from workbench.scenarios import Frame, Member
+from workbench.steel.hinges import YieldSurface
 from workbench.study.definition import Case
 
 _MOST_HINGES = 6

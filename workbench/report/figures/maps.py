@@ -21,9 +21,9 @@ from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
 from matplotlib.ticker import PercentFormatter
 
-from workbench.content.formatting import MINUS, metric_title, title_of
 from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, first, nothing
 from workbench.report.drawing.style import INK, TEXT_WIDTH, Look, Style, entry, logarithmic
+from workbench.report.page.formatting import MINUS, metric_title, title_of
 from workbench.report.stored import BEST
 from workbench.study.definition import Case, holds_data
 

@@ -13,9 +13,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
-from workbench.content.formatting import axis_label, duration, in_unit, number, title_of, unit_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
 from workbench.report.drawing.style import INK, INTERVAL, MUTED, Look, Style, entry, logarithmic
+from workbench.report.page.formatting import (
+    axis_label,
+    duration,
+    in_unit,
+    number,
+    title_of,
+    unit_of,
+)
 from workbench.study.chooser import CORRECTED, REACH, SURE
 from workbench.study.definition import holds_data
 

@@ -11,7 +11,6 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 
-from workbench.content.formatting import number, percent
 from workbench.report.drawing import studs
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
 from workbench.report.drawing.style import (
@@ -23,6 +22,7 @@ from workbench.report.drawing.style import (
     framed,
     numbered,
 )
+from workbench.report.page.formatting import number, percent
 from workbench.studs.fit_protocol import Tables
 from workbench.studs.interaction import INTERACTIONS
 

@@ -4,11 +4,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon, Rectangle
 
-from workbench.content.formatting import number
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
 from workbench.report.drawing.studs import answered
 from workbench.report.drawing.style import INK, MUTED, PALETTE, Style, new_figure
 from workbench.report.drawing.symbols import LIGHT, arrow, spring
+from workbench.report.page.formatting import number
 
 # proportions of the picture, in diameters
 _HEIGHT, _HEAD, _HEAD_HEIGHT, _COLLAR, _COLLAR_HEIGHT = 5.3, 1.65, 0.5, 1.25, 0.27

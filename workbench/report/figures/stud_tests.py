@@ -11,7 +11,6 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from workbench.content.formatting import number
 from workbench.report.drawing import studs
 from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, nothing
 from workbench.report.drawing.style import (
@@ -24,6 +23,7 @@ from workbench.report.drawing.style import (
     entry,
     new_figure,
 )
+from workbench.report.page.formatting import number
 from workbench.studs.fit_protocol import Tables
 from workbench.studs.model import tables_of
 

@@ -12,12 +12,12 @@ tells the series of a model apart).
 
 import numpy as np
 
-from workbench.arrays import Array
-from workbench.hinges import ShearSurface, has_webs
-from workbench.hinges.interaction import ANGLES, RULES, radial_error, radius
+from workbench.base.arrays import Array
 from workbench.report.drawing.layout import frame_scenario_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
 from workbench.report.drawing.style import INK, MUTED, Style
+from workbench.steel.hinges import ShearSurface, has_webs
+from workbench.steel.hinges.interaction import ANGLES, RULES, radial_error, radius
 
 _POINTS = 201
 _MARKERS = ("o", "s", "^", "D", "v")

@@ -19,13 +19,13 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
-from workbench.assessment.budget import COVERAGE, PEAK, SUMS
-from workbench.content.formatting import axis_label, in_unit, number, title_of, unit_of
 from workbench.report.chapters.budgets import change, scale
 from workbench.report.drawing import studs
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, first, nothing
 from workbench.report.drawing.style import GRID, INK, MUTED, PALETTE, WARNING, Style, entry, framed
+from workbench.report.page.formatting import axis_label, in_unit, number, title_of, unit_of
 from workbench.responses.uncertainty import uncertainty_of
+from workbench.study.assessment.budget import COVERAGE, PEAK, SUMS
 from workbench.study.definition import Case
 
 MOST_CASES = 8

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from workbench.errors import InputError, SolverError
-from workbench.fields import Choice
+from workbench.base.errors import InputError, SolverError
+from workbench.base.fields import Choice
 from workbench.studs.fit_protocol import Tables, counted
 from workbench.studs.mechanical.driving import (
     PullCurve,

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from workbench.errors import OutOfDomainError, SolverError
-from workbench.structures.paths import apply_loads, push
+from workbench.base.errors import OutOfDomainError, SolverError
+from workbench.mechanics.structures.paths import apply_loads, push
 from workbench.studs.mechanical.parameters import Stud, Surroundings
 from workbench.studs.mechanical.structure import StudStructure
 from workbench.studs.quantities import Array

@@ -8,7 +8,7 @@ slide of the slide. Laws rise as f = F (1 - exp(-K s / F)) and unload with the s
 
 import math
 
-from workbench.compiled import njit
+from workbench.base.compiled import njit
 
 BEARING, CONE, CONTACT, SLIDE = 0, 1, 2, 3
 CONE_REST = 0.02  # of the cone's strength, carried by the rubble of a broken cone

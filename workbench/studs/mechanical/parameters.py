@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from workbench.errors import InputError
-from workbench.fields import Declared, Number, checked
+from workbench.base.errors import InputError
+from workbench.base.fields import Declared, Number, checked
 from workbench.studs.formulas import SHEAR_MODELS
 from workbench.studs.quantities import (
     HEAD_DIAMETER,

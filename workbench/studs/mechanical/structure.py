@@ -14,13 +14,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from workbench.arrays import Indices
-from workbench.errors import OutOfDomainError
-from workbench.structures.assembly import PlanarAssembly, graded_lengths
-from workbench.structures.elements import Bars, ElementGroup, Step, StepEnergies
-from workbench.structures.fibers import BeamSection
-from workbench.structures.fibers.beams import FiberBeams
-from workbench.structures.fibers.section import LinearHardening
+from workbench.base.arrays import Indices
+from workbench.base.errors import OutOfDomainError
+from workbench.mechanics.structures.assembly import PlanarAssembly, graded_lengths
+from workbench.mechanics.structures.elements import Bars, ElementGroup, Step, StepEnergies
+from workbench.mechanics.structures.fibers import BeamSection
+from workbench.mechanics.structures.fibers.beams import FiberBeams
+from workbench.mechanics.structures.fibers.section import LinearHardening
 from workbench.studs.mechanical import kernels
 from workbench.studs.mechanical.parameters import (
     DENSITY,

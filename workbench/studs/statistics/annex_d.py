@@ -13,7 +13,7 @@ from math import exp, inf, log, prod, sqrt
 import numpy as np
 from numpy.typing import ArrayLike
 
-from workbench.errors import InputError
+from workbench.base.errors import InputError
 
 CHARACTERISTIC = 0.95  # share of tests above the characteristic value
 TABLE_DESIGN = 0.999  # the probability that table D.2 follows

@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from workbench.errors import SolverError
+from workbench.base.errors import SolverError
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.mixed import (
     best_ratio,

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.arrays import Flags
-from workbench.errors import InputError, SolverError
-from workbench.fields import Choice
+from workbench.base.arrays import Flags
+from workbench.base.errors import InputError, SolverError
+from workbench.base.fields import Choice
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.problem import (
     Estimate,

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from workbench.arrays import Flags
-from workbench.errors import InputError, SolverError
+from workbench.base.arrays import Flags
+from workbench.base.errors import InputError, SolverError
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.intervals import (
     Mixture,

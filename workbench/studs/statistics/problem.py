@@ -7,10 +7,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from workbench.arrays import Flags
-from workbench.arrays import Indices as Indices
-from workbench.errors import InputError
-from workbench.fields import Choice
+from workbench.base.arrays import Flags
+from workbench.base.arrays import Indices as Indices
+from workbench.base.errors import InputError
+from workbench.base.fields import Choice
 from workbench.studs.quantities import Array
 
 Prediction = Callable[[Array], Array]

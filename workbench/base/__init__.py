@@ -1,0 +1,1 @@
+"""Foundations: input checks and messages, units, errors, tables, data files, compiled kernels."""

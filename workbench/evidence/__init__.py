@@ -1,5 +1,0 @@
-"""Data with provenance: the catalogue, and published numbers as a model."""
-
-from workbench.evidence.catalogue import Dataset, check, dataset, datasets, load
-
-__all__ = ["Dataset", "check", "dataset", "datasets", "load"]

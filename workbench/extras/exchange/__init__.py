@@ -1,0 +1,1 @@
+"""Exchange with other programs: VTU and RO-Crate."""

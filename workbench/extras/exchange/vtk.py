@@ -1,0 +1,104 @@
+"""Deformed shapes of a response for ParaView: VTU for each snapshot, PVD for their times."""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from workbench.base.errors import InputError
+from workbench.report.drawing.shapes import Shapes, shapes_of
+from workbench.responses import Response
+from workbench.scenarios import Scenario
+from workbench.study.store import write_atomically
+
+_POLYLINE = 4  # the type of a cell of VTK
+_TYPES = {"i": "Int64", "f": "Float64"}
+
+
+def write_shapes(path: Path, scenario: Scenario, response: Response) -> None:
+    """Write ``<name>.pvd`` and, in the folder ``<name>``, one ``.vtu`` for each snapshot.
+
+    Points are those of the members at rest, in m; `displacement` (points, 3) moves them ("Warp By
+    Vector"); `utilisation` of the N-M strength stands at the ends of members, NaN elsewhere;
+    `member` numbers the members. Times are in s, of static answers steps.
+    Raises `InputError` for an answer without deformed shapes or a folder that cannot be written.
+    """
+    shapes = shapes_of(scenario, response)
+    if shapes is None:
+        reason = f"the answer of {response.attrs['model']} knows no deformed shape"
+        raise InputError("--out", path.name, reason, "take a model that has one, or end in .nc")
+    folder = path.with_suffix("")
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise InputError("--out", str(path), f"needs the folder {folder.name} beside it") from error
+    root, collection = _file("Collection")
+    for snapshot, at in enumerate(shapes.at):
+        name = f"{snapshot:04d}.vtu"
+        write_atomically(folder / name, _vtu(shapes, snapshot))
+        place = {"timestep": repr(float(at)), "part": "0", "file": f"{folder.name}/{name}"}
+        ElementTree.SubElement(collection, "DataSet", place)
+    write_atomically(path, _bytes(root))
+
+
+def _vtu(shapes: Shapes, snapshot: int) -> bytes:
+    """The members in one snapshot, each a polyline."""
+    members, points = shapes.rest.shape
+    moved = shapes.curves[..., snapshot] - shapes.rest
+    root, grid = _file("UnstructuredGrid")
+    sizes = {"NumberOfPoints": str(members * points), "NumberOfCells": str(members)}
+    piece = ElementTree.SubElement(grid, "Piece", sizes)
+    _arrays(piece, "Points", {"": _in_space(shapes.rest)})
+    cells = {
+        "connectivity": np.arange(members * points),
+        "offsets": points * np.arange(1, members + 1),
+        "types": np.full(members, _POLYLINE),
+    }
+    _arrays(piece, "Cells", cells)
+    states = {"displacement": _in_space(moved)}
+    if shapes.hinges:
+        states["utilisation"] = _at_ends(shapes, snapshot)
+    _arrays(piece, "PointData", states)
+    _arrays(piece, "CellData", {"member": np.arange(members)})
+    return _bytes(root)
+
+
+def _in_space(complex_points: ArrayLike) -> np.ndarray:
+    """Points (n, 3) of x + iy."""
+    z = np.ravel(complex_points)
+    return np.stack([z.real, z.imag, np.zeros(len(z))], axis=1)
+
+
+def _at_ends(shapes: Shapes, snapshot: int) -> np.ndarray:
+    """Utilisation at the points (members * points,), of hinges "member:start" and "member:end"."""
+    used = dict(zip(shapes.hinges, shapes.used[:, snapshot], strict=True))
+    values = np.full(shapes.rest.shape, np.nan)
+    for row, member in zip(values, shapes.frame.members, strict=True):
+        row[0], row[-1] = (used.get(f"{member.name}:{end}", np.nan) for end in ("start", "end"))
+    return values.ravel()
+
+
+def _file(kind: str) -> tuple[ElementTree.Element, ElementTree.Element]:
+    """The root of a file of VTK and its content."""
+    words = {"type": kind, "version": "1.0", "byte_order": "LittleEndian"}
+    root = ElementTree.Element("VTKFile", words)
+    return root, ElementTree.SubElement(root, kind)
+
+
+def _arrays(piece: ElementTree.Element, name: str, arrays: dict[str, np.ndarray]) -> None:
+    """Add arrays by name, as text."""
+    parent = ElementTree.SubElement(piece, name)
+    for key, array in arrays.items():
+        head = {"type": _TYPES[array.dtype.kind], "format": "ascii"}
+        if key:
+            head["Name"] = key
+        if array.ndim > 1:
+            head["NumberOfComponents"] = str(array.shape[1])
+        element = ElementTree.SubElement(parent, "DataArray", head)
+        element.text = " ".join(map(repr, array.ravel().tolist()))
+
+
+def _bytes(root: ElementTree.Element) -> bytes:
+    ElementTree.indent(root)
+    return bytes(ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))

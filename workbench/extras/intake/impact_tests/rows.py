@@ -1,0 +1,218 @@
+"""Impact tests: the schema, one row per test in SI, and the tests of the data catalogue.
+
+``columns.csv`` beside this file declares the columns. A beam is a column without axial load. An
+empty cell means that the quantity was not reported.
+"""
+
+import hashlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from math import nan
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from workbench.base.catalogue import IMPACT_TESTS, SYNTHETIC
+from workbench.base.errors import Collapse, InputError, Mechanism
+from workbench.scenarios import ColumnImpact, scenario_from, scenario_hash
+from workbench.studs.reading import examine
+from workbench.studs.schema import Row, RowFinding, Table, declared, known, templates_in
+from workbench.study.error_model import Dataset, dataset, datasets
+
+# measured quantities: response variable, column, and column of its half-width
+MEASURED = {
+    "peak_displacement": ("peak_m", "peak_uncertainty_m"),
+    "residual_displacement": ("residual_m", "residual_uncertainty_m"),
+}
+STANDS = "none"  # in the column collapse: the member survived
+LARGEST_SHARE = 0.5  # of the span that a peak may reach: beyond, a unit is meant otherwise
+_DIMENSIONS = ("height", "width", "web", "flange", "fillet", "side", "wall", "diameter")
+# columns of the table by the keys of scenarios, which messages name too
+_KEYS = {
+    "column.base": "base",
+    "column.head": "head",
+    "column.axial_load": "axial_load_N",
+    "column.restraint_stiffness": "restraint_N_per_m",
+    "column.head_mass": "head_mass_kg",
+    "steel.elastic_modulus": "elastic_modulus_Pa",
+    "steel.yield_stress": "yield_stress_Pa",
+    "steel.density": "density_kg_per_m3",
+    "striker.mass": "mass_kg",
+    "striker.velocity": "velocity_m_per_s",
+    "striker.restitution": "restitution",
+    "time.duration": "duration_s",
+}
+_NAMED = {**_KEYS, "column.section": "section", "column.length_below": "hit_at_m"}
+
+
+def scenario_of(row: Row) -> ColumnImpact:
+    """The scenario of a row of the schema. Raises `InputError` by the keys of scenarios."""
+    row = {**{column.name: column.blank for column in IMPACTS.columns}, **row}
+    span, hit = float(row["span_m"]), float(row["hit_at_m"])  # type: ignore[arg-type]
+    sizes = {name: known(row, f"{name}_m") for name in _DIMENSIONS}
+    given = {name: size for name, size in sizes.items() if size is not None}
+    tables: dict[str, dict[str, Any]] = {}
+    for key, name in _KEYS.items():
+        table, _, field = key.partition(".")
+        tables.setdefault(table, {})[field] = row[name]
+    tables["column"] |= {"section": row["section"] or given, "fillets": row["fillets"] != 0.0}
+    tables["column"] |= {"length_below": hit, "length_above": round(span - hit, 9)}
+    name = f"{row['campaign']} {row['specimen']}"
+    scenario = scenario_from({"kind": ColumnImpact.KIND, "name": name, **tables})
+    assert isinstance(scenario, ColumnImpact)
+    return scenario
+
+
+def _contradictions(row: Row) -> Iterator[RowFinding]:
+    """What cannot be within a row whose cells are possible one by one."""
+    span, hit = known(row, "span_m") or 0.0, known(row, "hit_at_m") or 0.0
+    if hit >= span:
+        yield "hit_at_m", hit, f"must be less than the span, {span:g} m", "are columns swapped?"
+        return
+    sizes = [f"{name}_m" for name in _DIMENSIONS if known(row, f"{name}_m") is not None]
+    if row.get("section") and sizes:
+        yield "section", row["section"], f"is given, and {', '.join(sizes)} too", "give one of both"
+    elif not row.get("section") and not sizes:
+        yield "section", "", "must name a profile", "or give its dimensions: side_m, height_m, ..."
+    else:
+        try:
+            scenario_of(row)
+        except InputError as error:
+            field = next((k for k in _NAMED if error.field.startswith(k)), "")
+            yield _NAMED.get(field, ""), error.value, error.allowed, error.advice
+    yield from _measured(row, span)
+
+
+def _measured(row: Row, span: float) -> Iterator[RowFinding]:
+    values = {name: known(row, column) for name, (column, _) in MEASURED.items()}
+    if row.get("collapse", STANDS) != STANDS:
+        if values["residual_displacement"] is not None:
+            yield "residual_m", values["residual_displacement"], "is no result of a collapse", ""
+        if values["peak_displacement"] is None:
+            yield "peak_m", "", "must be given: the displacement reached in the collapse", ""
+        return
+    if not any(value is not None for value in values.values()):
+        yield "peak_m", "", "must be given, or residual_m: a test without a result is none", ""
+    for name, (column, width) in MEASURED.items():
+        value, half = values[name], known(row, width)
+        if value is None:
+            continue
+        if half is None:
+            reason = f"must be given with {column}"
+            yield width, "", reason, "it is the half-width of the 95 % interval"
+        elif half >= value:
+            yield width, half, f"is no less than {column}, {value:g} m", "are columns swapped?"
+        if value > LARGEST_SHARE * span:
+            reason = f"is {value / span:.2g} times the span"
+            yield column, value, reason, "is it in mm or cm? lengths are in m"
+    peak, residual = values.values()
+    if peak is not None and residual is not None and residual > peak:
+        yield "residual_m", residual, f"exceeds peak_m, {peak:g} m", "are columns swapped?"
+
+
+IMPACTS = Table(
+    "impacts",
+    declared("impacts", Path(__file__).with_name("columns.csv")),
+    ("campaign", "specimen"),
+    _contradictions,
+)
+(TEMPLATE,) = templates_in(Path(__file__).with_name("templates.toml"), IMPACTS).values()
+
+
+@dataclass(frozen=True)
+class ImpactTest:
+    """One test, or several of one scenario: their `names`, `scenario`, `campaign` and `entries`.
+
+    `measured` gives the mean of each quantity with its half-width (95 %): that of single tests, as
+    equal tests share their systematic errors, or the farthest of them if that is wider. It is empty
+    where the member collapsed, in `collapsed` of the tests: `collapse` says how.
+    """
+
+    names: tuple[str, ...]
+    campaign: str
+    scenario: ColumnImpact
+    measured: dict[str, tuple[float, float]]
+    entries: tuple[Dataset, ...]
+    collapse: Collapse | None = None
+    collapsed: int = 0
+
+    @property
+    def name(self) -> str:
+        """What a case of this test is called."""
+        more = len(self.names) - 1
+        return f"{self.names[0]} and {more} equal" if more else self.names[0]
+
+    @property
+    def synthetic(self) -> bool:
+        """Whether its numbers are made, not measured."""
+        return any(entry.role == SYNTHETIC for entry in self.entries)
+
+
+def tables(name: str | None = None) -> tuple[Dataset, ...]:
+    """The tables of impact tests in the catalogue, or the one of this name.
+
+    Raises `InputError` for a name that is none of them.
+    """
+    entries = tuple(entry for entry in datasets() if entry.kind == IMPACT_TESTS)
+    if name is None:
+        return entries
+    if dataset(name) not in entries:
+        known_names = ", ".join(entry.name for entry in entries)
+        raise InputError("dataset", name, f"holds no impact tests; there are {known_names}")
+    return (dataset(name),)
+
+
+def impact_tests(name: str | None = None) -> tuple[ImpactTest, ...]:
+    """All impact tests of the catalogue, or those of one table; equal scenarios are one test.
+
+    A scenario that has been tested is not shown by synthetic rows. Raises `InputError`.
+    """
+    groups: dict[str, list[tuple[Dataset, Row, ColumnImpact]]] = {}
+    for entry in tables(name):
+        digest = hashlib.sha256(entry.path.read_bytes()).hexdigest()
+        for row, scenario in _rows(entry.path, digest):
+            groups.setdefault(scenario_hash(scenario), []).append((entry, row, scenario))
+    return tuple(_test(group) for group in groups.values())
+
+
+@lru_cache(maxsize=16)
+def _rows(path: Path, digest: str) -> tuple[tuple[Row, ColumnImpact], ...]:
+    """The rows of a table with their scenarios; `digest` of the file renews them."""
+    rows = examine(path, IMPACTS).accept()
+    return tuple((row, scenario_of(row)) for row in records(rows))
+
+
+def records(rows: pd.DataFrame) -> Iterator[Row]:
+    """Rows of a table of the schema, one by one."""
+    for row in rows.to_dict("records"):
+        yield {str(name): value for name, value in row.items()}
+
+
+def _test(group: list[tuple[Dataset, Row, ColumnImpact]]) -> ImpactTest:
+    real = [part for part in group if part[0].role != SYNTHETIC] or group
+    measured = {}
+    fallen = [row for _, row, _ in real if row["collapse"] != STANDS]
+    for quantity, columns in MEASURED.items():
+        pairs = [[known(row, column) or nan for column in columns] for _, row, _ in real]
+        reported = [(value, width) for value, width in pairs if value == value]
+        if reported and not fallen:
+            mean = sum(value for value, _ in reported) / len(reported)
+            single = sum(width for _, width in reported) / len(reported)
+            farthest = max(abs(value - mean) for value, _ in reported)
+            measured[quantity] = (mean, max(single, farthest))
+    collapse = None
+    if fallen:
+        reached = max(known(each, "peak_m") or 0.0 for each in fallen)
+        collapse = Collapse(Mechanism(str(fallen[0]["collapse"])), ("member",), reached)
+    _, row, scenario = real[0]
+    return ImpactTest(
+        names=tuple(each.name for _, _, each in real),
+        campaign=str(row["campaign"]),
+        scenario=scenario,
+        measured=measured,
+        entries=tuple({entry.name: entry for entry, _, _ in real}.values()),
+        collapse=collapse,
+        collapsed=len(fallen),
+    )

@@ -1,6 +1,0 @@
-"""Generalized elasto-plastic hinges with N-M and N-M-V yield surfaces."""
-
-from workbench.hinges.interaction import ShearSurface as ShearSurface
-from workbench.hinges.interaction import YieldSurface as YieldSurface
-from workbench.hinges.interaction import has_shear_surface as has_shear_surface
-from workbench.hinges.interaction import has_webs as has_webs

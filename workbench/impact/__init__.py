@@ -1,9 +1,0 @@
-"""The impact integrator, and its laboratory: schemes, complementarity, problems with known answers.
-
-`integrator` follows every model; `contact` and `pace` hold its law and constants; `records` reads.
-"""
-
-from workbench.impact.complementarity import Restitution as Restitution
-from workbench.impact.contact import contact_loss as contact_loss
-from workbench.impact.contact import explicit_percussion as explicit_percussion
-from workbench.impact.contact import rebound as rebound

@@ -1,5 +1,0 @@
-"""Tables of tests from elsewhere into the user's own data, checked before anything is written."""
-
-from workbench.intake.add import add_table as add_table
-from workbench.intake.kinds import check_file as check_file
-from workbench.intake.kinds import problems_of_own as problems_of_own

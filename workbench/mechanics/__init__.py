@@ -1,0 +1,1 @@
+"""Mechanics: the impact integrator, structures of elements, frames."""

@@ -1,0 +1,327 @@
+"""Small displacements of a frame of elastic Bernoulli beams: unit loads, buckling, time scales.
+
+Displacements of the nodes and forces at member ends are exact for loads at the nodes. Mass and
+geometric stiffness are consistent with the cubic deflection (Przemieniecki 1968). Time steps follow
+from how long the events of a frame take.
+"""
+
+from collections.abc import Collection, Sequence
+from functools import cache, lru_cache
+from math import inf, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import block_diag, eigh
+from threadpoolctl import ThreadpoolController
+
+from workbench.base.arrays import Array
+from workbench.mechanics.frames.members import chains, shear_stiffness
+from workbench.mechanics.frames.structure import dead_loads, hinge_names, nodal_loads
+from workbench.mechanics.structures.assembly import COMPONENTS
+from workbench.scenarios import Frame, FrameImpact, Load, Member
+from workbench.scenarios.parts import COMPONENT
+
+NO_STIFFNESS = 1e-11  # eigenvalue of the scaled stiffness that counts as none
+UNBALANCED = 1e-6  # share of a load that meets no stiffness
+LEAST_SOFTENING = 1e-9  # share of the stiffness; what is less is rounding
+HALVES = 2  # of a member: its buckling load is 0.8 % too large with pinned ends, 1.3 % clamped
+FIRST_SPAN, LATER = 6.0, 4.0  # beyond so many times to the peak, so many times longer steps
+_FELT = 0.05  # of the largest swing of a mode after a blow
+
+Spans = list[tuple[float, float]]  # end times and time steps of the parts of a record, in s
+
+
+@cache
+def linear_algebra() -> ThreadpoolController:
+    """The libraries of linear algebra with threads; to look for them takes some ms.
+
+    Band solves and small eigenvalue problems are far too small for several: `limit(limits=1)`.
+    """
+    return ThreadpoolController().select(user_api="blas")
+
+
+class ElasticFrame:
+    """The elastic frame for small displacements from its state under dead loads.
+
+    Arguments: `frame`; names of the `members` that count (None: all); `springs`, whether springs
+    to the ground and locks act, as they do once the dead loads are on; beams (`parts`) per member.
+    """
+
+    def __init__(
+        self,
+        frame: Frame,
+        members: Collection[str] | None = None,
+        *,
+        springs: bool = True,
+        parts: int = 1,
+    ) -> None:
+        self._frame = frame
+        self._counted = [members is None or m.name in members for m in frame.members]
+        # of each member: dofs of its parts, stiffness of a part, to local axes
+        self._beams: list[tuple[Array, Array, Array]] = []
+        self._parts = parts
+        inner = 2 + 3 * (parts - 1)  # dofs of a member: rotations at joints, nodes between parts
+        size = 3 * len(frame.nodes) + inner * len(frame.members)
+        self.stiffness: Array = np.zeros((size, size))
+        self.mass: Array = np.zeros((size, size))
+        for number, member in enumerate(frame.members):
+            self._place(member, 3 * len(frame.nodes) + inner * number, self._counted[number])
+        held = []
+        for node in frame.nodes:
+            at = 3 * frame.number[node.name]
+            self.mass[range(at, at + 3), range(at, at + 3)] += node.mass, node.mass, 0.0
+            self.mass[at + 2, at + 2] += node.rotary_inertia
+            held += [at + COMPONENTS[component] for component in node.held]
+            if springs:
+                given = (node.spring_x, node.spring_y, node.spring_rotation)
+                self.stiffness[range(at, at + 3), range(at, at + 3)] += given
+                if node.locked != "none":
+                    held.append(at + COMPONENTS[COMPONENT[node.locked]])
+        resisting = np.flatnonzero(np.diag(self.stiffness) > 0.0)
+        self._free = np.setdiff1d(resisting, held)
+        self._held = np.array(sorted(held), dtype=np.int64)
+        scale = 1.0 / np.sqrt(np.diag(self.stiffness)[self._free])
+        values, modes = np.linalg.eigh(
+            self.stiffness[np.ix_(self._free, self._free)] * np.outer(scale, scale)
+        )
+        self._stiff = values > NO_STIFFNESS * max(values.max(initial=0.0), 1e-300)
+        self._values, self._modes = values, scale[:, None] * modes
+
+    def _place(self, member: Member, spare: int, counted: bool) -> None:
+        """Add stiffness and mass of a member; its own dofs begin with `spare`."""
+        frame = self._frame
+        chord, length = frame.chords[frame.members.index(member)], frame.length(member)
+        dofs = np.concatenate([3 * frame.number[end.node] + np.arange(3) for end in member.ends])
+        properties, modulus = frame.properties(member), frame.steel.elastic_modulus
+        softness = length / (modulus * properties.area)
+        for side, joint in enumerate(frame.joints_of(member)):
+            softness += 0.0 if joint.axial_stiffness is None else 1.0 / joint.axial_stiffness
+            if joint.rotational_stiffness is not None:
+                node, dofs[3 * side + 2] = dofs[3 * side + 2], spare + side
+                if counted:
+                    grid = np.ix_([node, spare + side], [node, spare + side])
+                    coupling = joint.rotational_stiffness * np.array([[1.0, -1.0], [-1.0, 1.0]])
+                    self.stiffness[grid] += coupling
+        local = _axes(chord / length)
+        part = length / self._parts
+        stiffness = _stiffness(self._parts / softness, modulus * properties.second_moment, part)
+        mass = _mass(properties.mass_per_length * part, part)
+        between = spare + 2 + np.arange(3 * (self._parts - 1)).reshape(-1, 3)
+        line = np.vstack([dofs[:3], between, dofs[3:]])
+        beams = np.hstack([line[:-1], line[1:]])
+        self._beams.append((beams, stiffness, local))
+        for beam in beams if counted else ():
+            self.stiffness[np.ix_(beam, beam)] += local.T @ stiffness @ local
+            self.mass[np.ix_(beam, beam)] += local.T @ mass @ local
+
+    def load(self, loads: Sequence[Load]) -> Array:
+        """Nodal forces and moments (dofs,)."""
+        total = np.zeros(len(self.stiffness))
+        forces = nodal_loads(self._frame, loads)
+        total[: forces.size] = forces.ravel()
+        return total
+
+    def displacement(self, load: Array) -> Array | None:
+        """Displacements (dofs,) under a load; None where something moves without resistance."""
+        moved = np.zeros(len(load))
+        carried = np.concatenate([self._free, self._held])
+        loose = np.delete(load, carried)
+        shares = self._modes.T @ load[self._free]
+        lost = np.linalg.norm(shares[~self._stiff])
+        if np.any(loose) or lost > UNBALANCED * np.linalg.norm(shares):
+            return None
+        stiff = self._stiff
+        moved[self._free] = self._modes[:, stiff] @ (shares[stiff] / self._values[stiff])
+        return moved
+
+    @property
+    def is_mechanism(self) -> bool:
+        """Whether something can move without resistance."""
+        return not bool(np.all(self._stiff))
+
+    def buckling_factor(self, axial: Array) -> float:
+        """Factor on `axial` forces (hinges,) at which the frame, no mechanism, buckles.
+
+        Forces in N, tension positive, as `end_forces` gives them. Infinite without compression.
+        """
+        softening = np.zeros_like(self.stiffness)
+        for i, (beams, _, local) in enumerate(self._beams):
+            bow = _geometric(self._frame.length(self._frame.members[i]) / self._parts)
+            for dofs in beams:
+                softening[np.ix_(dofs, dofs)] += axial[2 * i] * local.T @ bow @ local
+        grid = np.ix_(self._free, self._free)
+        lowest = eigh(
+            softening[grid], self.stiffness[grid], eigvals_only=True, subset_by_index=[0, 0]
+        )[0]
+        return np.inf if lowest > -LEAST_SOFTENING else -1.0 / float(lowest)
+
+    def vibrations(self, load: Array) -> tuple[Array, Array]:
+        """Periods (s) of the modes, and how far each swings after an impulse along a `load`.
+
+        Both (modes,), without those that have no mass or move without resistance.
+        """
+        shapes = self._modes[:, self._stiff] / np.sqrt(self._values[self._stiff])
+        squares, modes = eigh(shapes.T @ self.mass[np.ix_(self._free, self._free)] @ shapes)
+        moved = (modes.T @ (shapes.T @ load[self._free])) ** 2
+        heavy = squares > NO_STIFFNESS * squares.max(initial=0.0)
+        slowness = np.sqrt(squares[heavy])  # 1 / omega
+        return 2.0 * np.pi * slowness, moved[heavy] / slowness
+
+    def end_forces(self, displacement: Array) -> tuple[Array, Array]:
+        """Axial forces and moments (hinges,) at the ends of all members, see `hinge_names`.
+
+        Axial forces are positive in tension, moments where they stretch the fibers on the right
+        of somebody who looks from start to end; zero in members that do not count.
+        """
+        axial, moment = np.zeros((2, len(hinge_names(self._frame))))
+        for i, (beams, stiffness, local) in enumerate(self._beams):
+            if self._counted[i]:
+                first, last = (stiffness @ local @ displacement[beams[j]] for j in (0, -1))
+                axial[2 * i : 2 * i + 2] = last[3]
+                moment[2 * i : 2 * i + 2] = -first[2], last[5]
+        return axial, moment
+
+
+def _axes(direction: Array) -> Array:
+    """Rotation of element dofs from global to local axes (6, 6)."""
+    c, s = direction
+    turn = [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]
+    return np.asarray(block_diag(turn, turn))
+
+
+def _local(lengthwise: ArrayLike, across: ArrayLike) -> Array:
+    """Matrix (6, 6) in local axes, of axial displacements (2, 2) and of deflections (4, 4)."""
+    matrix = np.zeros((6, 6))
+    matrix[np.ix_([0, 3], [0, 3])] = lengthwise
+    matrix[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = across
+    return matrix
+
+
+def _stiffness(axial: float, bending: float, length: float) -> Array:
+    """Stiffness of a beam in local axes (6, 6): `axial` in N/m, `bending` EI in N m2."""
+    a, b, c = 12.0 / length**2, 6.0 / length, 4.0
+    rows = [[a, b, -a, b], [b, c, -b, 0.5 * c], [-a, -b, a, -b], [b, 0.5 * c, -b, c]]
+    return _local([[axial, -axial], [-axial, axial]], bending / length * np.array(rows))
+
+
+def _geometric(length: float) -> Array:
+    """Geometric stiffness of a beam under unit tension in local axes (6, 6)."""
+    a, b, c, d = 36.0, 3.0 * length, 4.0 * length**2, -(length**2)
+    rows = [[a, b, -a, b], [b, c, -b, d], [-a, -b, a, -b], [b, d, -b, c]]
+    return _local(np.zeros((2, 2)), np.array(rows) / (30.0 * length))
+
+
+def _mass(mass: float, length: float) -> Array:
+    """Consistent mass of a beam in local axes (6, 6)."""
+    a, b, c = 22.0 * length, 13.0 * length, length**2
+    rows = [
+        [156.0, a, 54.0, -b],
+        [a, 4 * c, b, -3 * c],
+        [54.0, b, 156.0, -a],
+        [-b, -3 * c, -a, 4 * c],
+    ]
+    lengthwise = mass / 6.0 * np.array([[2.0, 1.0], [1.0, 2.0]])
+    return _local(lengthwise, mass / 420.0 * np.array(rows))
+
+
+class DeadLoadState(NamedTuple):
+    """Axial forces (members,) in N, tension positive, and the critical factor on the dead loads.
+
+    The factor is infinite without compression, and None for a mechanism.
+    """
+
+    axial: Array
+    factor: float | None
+
+
+def dead_load_state(frame: Frame) -> DeadLoadState:
+    """First-order axial forces and buckling factor under the dead loads of a frame."""
+    return _dead_load_state(frame.elastic)
+
+
+@lru_cache(maxsize=64)
+def _dead_load_state(frame: Frame) -> DeadLoadState:
+    elastic = ElasticFrame(frame, springs=False, parts=HALVES)
+    moved = None if elastic.is_mechanism else elastic.displacement(elastic.load(dead_loads(frame)))
+    if moved is None:
+        return DeadLoadState(np.zeros(len(frame.members)), None)
+    axial, _ = elastic.end_forces(moved)
+    return DeadLoadState(axial[::2], elastic.buckling_factor(axial))
+
+
+def spans_to(peak: float, duration: float, first: float, coarsest: float, share: float) -> Spans:
+    """Parts of a record around and after a peak, at the time `peak` in s.
+
+    Arguments: `duration` of the record, step at `first` and the `coarsest` one allowed, all in s;
+    `share` of these steps that is taken.
+    """
+    first = min(coarsest, first)
+    later = min(coarsest, LATER * first)
+    return [(min(FIRST_SPAN * peak, duration), share * first), (duration, share * later)]
+
+
+def time_to_peak(scenario: FrameImpact, shear_flexible: bool = False) -> float:
+    """Estimate (s) of the time of the peak: of an elastic spring, or of hinges if longer.
+
+    Both from the members at the struck node alone, held at their far ends; the plastic estimate
+    is that of a mechanism with hinges at both ends of them. Elastic shear strain counts if
+    `shear_flexible`.
+    """
+    frame, striker = scenario.frame, scenario.striker
+    along = np.array([1.0, 0.0] if striker.direction.endswith("x") else [0.0, 1.0])
+    stiffness = np.zeros((3, 3))
+    resistance = 0.0
+    inertia = striker.mass + frame.node(striker.node).mass
+    near = frame.points[frame.number[striker.node]]
+    for end in frame.meeting(striker.node):
+        member, length = end.member, frame.length(end.member)
+        properties, modulus = frame.properties(member), frame.steel.elastic_modulus
+        local = _axes((frame.points[frame.number[end.other.node]] - near) / length)
+        axial, bending = modulus * properties.area / length, modulus * properties.second_moment
+        softer = 0.0  # Timoshenko's ratio of bending to shear stiffness
+        if shear_flexible:
+            shear = shear_stiffness(frame.strength_section(member), frame.steel)
+            softer = 12.0 * bending / (length**2 * shear)
+        stiff = _stiffness(axial, bending / (1.0 + softer), length)[:3, :3]
+        stiff[2, 2] *= 1.0 + 0.25 * softer
+        stiffness += local[:3, :3].T @ stiff @ local[:3, :3]
+        lengthwise, across = np.abs(local[:2, :2] @ along)
+        resistance += 2.0 * properties.plastic_moment / length * float(across)
+        resistance += properties.squash_load * float(lengthwise)
+        inertia += properties.mass_per_length * length / 3.0
+    push = np.append(along, 0.0)
+    flexibility = float(push @ np.linalg.pinv(stiffness) @ push)
+    elastic = 0.5 * pi * sqrt(inertia * flexibility)
+    return max(elastic, striker.mass * striker.velocity / resistance)
+
+
+def slowest_period(frame: Frame, node: str, direction: str) -> float:
+    """Longest period (s) of those that a blow on a node along a direction makes felt.
+
+    Of the elastic frame; dead loads lengthen it by no more than they soften the mode in which it
+    buckles.
+    """
+    return _slowest_period(frame.elastic, node, direction)
+
+
+@lru_cache(maxsize=64)
+def _slowest_period(frame: Frame, node: str, direction: str) -> float:
+    elastic = ElasticFrame(frame, parts=HALVES)
+    blow = elastic.load([Load(node, **{direction[-1]: 1.0})])
+    periods, swings = elastic.vibrations(blow)
+    factor = dead_load_state(frame).factor if dead_loads(frame) else inf
+    softer = 1.0 if factor is None else sqrt(1.0 - 1.0 / factor)
+    return float(periods[swings >= _FELT * swings.max(initial=0.0)].max(initial=0.0)) / softer
+
+
+def wave_times(frame: Frame) -> Array:
+    """Times (members,) in s of an axial wave along every member."""
+    stiffness = frame.steel.elastic_modulus * frame.each("area")
+    return np.asarray(frame.lengths / np.sqrt(stiffness / frame.each("mass_per_length")))
+
+
+def line_wave_times(frame: Frame) -> list[float]:
+    """Times (s) of an axial wave along every line of members that continue each other."""
+    times = dict(zip((m.name for m in frame.members), wave_times(frame).tolist(), strict=True))
+    return [sum(times[name] for name in line.members) for line in chains(frame)]

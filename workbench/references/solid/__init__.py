@@ -1,3 +1,0 @@
-"""Reference beyond beam theory: the column as a plane-stress continuum, on scikit-fem."""
-
-from workbench.references.solid.model import SolidPlaneStress as SolidPlaneStress

@@ -1,0 +1,1 @@
+"""Steel, sections and hinges: material, geometry, yield surfaces and their return mapping."""

@@ -1,7 +1,0 @@
-"""Co-rotational superelements: a rigid or flexible elastic bar between two generalized hinges."""
-
-from workbench.structures.superelements.group import HingeEnd as HingeEnd
-from workbench.structures.superelements.group import Superelement as Superelement
-from workbench.structures.superelements.group import Superelements as Superelements
-from workbench.structures.superelements.group import SuperelementState as SuperelementState
-from workbench.structures.superelements.group import sway_stiffness as sway_stiffness

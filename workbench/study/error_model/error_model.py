@@ -1,0 +1,285 @@
+"""The error of any answer, through one model whose error was measured: the anchor.
+
+ln(truth / answer) = ln(anchor / answer) + ln(truth / anchor). The first term is exact and costs a
+run of the anchor; the second has nothing to do with the model that was asked. It was measured on
+drawn scenarios (`workbench data measure`) and is taken by order statistics from those of the same
+cell. Derivation and numbers: docs/theory/error-model.md.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
+from math import inf, isinf, isnan, log, nan
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from workbench.base.arrays import Array
+from workbench.base.errors import OutOfDomainError
+from workbench.models.base import options_of
+from workbench.models.registry import make_model
+from workbench.models.strain_rate import feels_rate, steel_of
+from workbench.responses import Response, findings_of, survives
+from workbench.scenarios import FrameImpact, MemberPulse, frame_scenario
+from workbench.study.error_model.error_table import ANCHOR, FINEST, ErrorTable, ends_of, table_of
+
+BEYOND = 0.10  # an error of the peak that matters
+WARNED = 0.10  # chance of it from which an answer is warned of
+FASTER = 1.05  # times the velocity or force, to see whether a collapse is near
+HANGS = "hangs-on"  # subject
+OPEN_END = "the upper end is not measured so close to collapse"
+PEAK, RESIDUAL = "peak_displacement", "residual_displacement"
+
+
+@dataclass(frozen=True, slots=True)
+class ExpectedError:
+    """The error of an answer, answer over truth less one, as far as it is known.
+
+    Arguments: `anchor`, its name; `expected` error with the ends `low` and `high` of an interval of
+    90 %; `chance` of an error beyond 10 %, or that the structure does what the answer denies;
+    `collapse`, chance that it collapses; `near_collapse`, whether the anchor nearly does; `cell`
+    in which this was measured on `count` scenarios; `reason`, why there is no interval (empty:
+    there is one); `residual`, ends (m) of 90 % for the true residual displacement, if known.
+    Near a collapse `high` alone is known: how far the truth may go was not measured there.
+    """
+
+    anchor: str
+    expected: float | None = None
+    low: float | None = None
+    high: float | None = None
+    chance: float | None = None
+    collapse: float | None = None
+    near_collapse: bool = False
+    cell: str = ""
+    count: int = 0
+    reason: str = ""
+    residual: tuple[float, float] | None = None
+
+    @property
+    def warns(self) -> bool:
+        """Whether the answer is rather likely to be in error."""
+        return self.chance is not None and self.chance > WARNED
+
+    def __str__(self) -> str:
+        if self.high is not None and self.low is None:
+            return f"at most {round(100.0 * self.high):+d} %; of the displacement {self.reason}"
+        if self.expected is None or self.low is None or self.high is None:
+            chance = 100.0 * (self.collapse or 0.0)
+            more = "" if self.collapse is None else f", chance of collapse {chance:.0f} %"
+            return f"{self.reason}{more}"
+        middle, *ends = (round(100.0 * share) for share in (self.expected, self.low, self.high))
+        return f"expect {middle:+d} %, 90 %: {ends[0]:+d} to {ends[1]:+d} %"
+
+    def as_dict(self) -> dict[str, Any]:
+        """The error as JSON holds it; null is unknown, and `reason` says why."""
+        return asdict(self)
+
+
+class TruthRatio(NamedTuple):
+    """Sorted `values` of ln(truth / anchor) in the `cell` of a scenario with such `features`.
+
+    Empty where nothing is known, for the `reason`.
+    """
+
+    values: Array
+    cell: str = ""
+    reason: str = ""
+    features: Mapping[str, float] = MappingProxyType({})
+
+
+def expected_error(scenario: Any, response: Response) -> ExpectedError:
+    """The error to expect of an answer to a scenario, of any model, by one run of the anchor.
+
+    The anchor itself is not run again. Raises `InputError` if it is not installed.
+    """
+    name, peak = response.attrs["model"], reached(response).peak
+    table = table_of(scenario)
+    by_anchor = table is not None and _is_anchor(response, table.anchor)
+    error = _error(scenario, name, peak, peak if by_anchor else None)
+    return (
+        error if error.near_collapse else replace(error, residual=residual_ends(scenario, response))
+    )
+
+
+def anchor_error(scenario: Any) -> ExpectedError:
+    """The error to expect of the anchor itself, as `expected_error`."""
+    table = table_of(scenario)
+    peak = nan if table is None or truth_ratio(scenario).reason else anchor_peak(scenario)
+    error = _error(scenario, table.anchor if table else ANCHOR, peak, peak)
+    return error if error.near_collapse else replace(error, residual=residual_ends(scenario))
+
+
+def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> ExpectedError:
+    """That of the size of the peak `answer` (m); the `anchor` has this peak (None: run it)."""
+    table = table_of(scenario)
+    if table is None:
+        return ExpectedError(ANCHOR, reason=f"errors of {scenario.KIND} were not measured")
+    ratio = truth_ratio(scenario)
+    known = ExpectedError(table.anchor, reason=ratio.reason)
+    if ratio.reason:
+        return known
+    anchor, answer = abs(anchor_peak(scenario) if anchor is None else anchor), abs(answer)
+    if isnan(answer) or isnan(anchor):
+        whose = "the answer" if isnan(answer) else "the anchor"
+        return replace(known, reason=f"{whose} has no peak displacement")
+    known = replace(known, cell=ratio.cell, count=len(ratio.values))
+    fallen = table.collapses(isinf(anchor))
+    faster = _faster(scenario)
+    near = not isinf(anchor) and (
+        abs(anchor_peak(faster)) > (1.0 + table.grows) * anchor or _anchor(faster).hangs
+    )
+    known = replace(known, collapse=None if near else fallen, near_collapse=near)
+    if isinf(answer) or isinf(anchor):
+        reason = "the anchor collapses" if isinf(anchor) else "the anchor survives"
+        reason += ", close to collapse, where chances are not measured" if near else ""
+        return replace(known, chance=1.0 - fallen if isinf(answer) else fallen, reason=reason)
+    values = ratio.values + log(anchor / answer)
+    if name in (table.reference, FINEST):
+        values = table.doubts(ratio.features) if name == table.reference else values[:0]
+    if not len(values):
+        return replace(known, reason="nothing finer has measured it")
+    errors = np.exp(-values[::-1]) - 1.0
+    low, high = ends_of(len(errors))
+    middle, least, most = float(np.median(errors)), float(errors[low]), float(errors[high])
+    chance = float(chance_beyond(errors))
+    if near:
+        return replace(known, high=most, chance=chance, reason=OPEN_END)
+    return replace(known, expected=middle, low=least, high=most, chance=chance)
+
+
+def chance_beyond(errors: Array) -> Any:
+    """Chance of an error beyond 10 %, from the measured `errors` (..., n) of a cell: (...)."""
+    return ((np.abs(errors) > BEYOND).sum(axis=-1) + 0.5) / (errors.shape[-1] + 1.0)
+
+
+@lru_cache(maxsize=256)  # every model of a study asks for the same scenario
+def truth_ratio(scenario: Any) -> TruthRatio:
+    """What is known of ln(truth / anchor) of a scenario before it is answered.
+
+    Of a scenario that has a table; with what the finest reference says of the reference.
+    """
+    striker = getattr(scenario, "striker", None)
+    if striker is not None and striker.crushes:
+        return TruthRatio(np.empty(0), reason="errors were measured with rigid strikers")
+    frame = frame_scenario(scenario).frame
+    if getattr(scenario, "acceleration", 0.0) or any(frame.gravity) or frame.line_loads.any():
+        reason = "errors were measured without gravity and line loads"
+        return TruthRatio(np.empty(0), reason=reason)
+    if isinstance(scenario, FrameImpact):
+        attached = scenario.frame.node(scenario.striker.node).mass
+    else:
+        attached = scenario.column.attached_mass
+    if attached > 0.0:
+        reason = "errors were measured without a mass attached at the hit point"
+        return TruthRatio(np.empty(0), reason=reason)
+    table, steel = _table(scenario), steel_of(scenario)
+    if steel is not None and steel.hardening_modulus is not None:
+        return TruthRatio(np.empty(0), reason="errors were measured without hardening")
+    rated = _rated(scenario)
+    if rated is None and feels_rate(scenario):
+        reason = f"errors of {scenario.KIND} were measured without strain rate"
+        return TruthRatio(np.empty(0), reason=reason)
+    try:
+        values = (rated or table).features(scenario)
+    except OutOfDomainError as error:
+        return TruthRatio(np.empty(0), reason=f"not measured here: {error}")
+    reason = table.unknown(values) or (rated.unknown(values) if rated else "")
+    if reason:
+        return TruthRatio(np.empty(0), reason=reason)
+    ratios = widened(table.truths(values), table.doubts(values))
+    ratios = widened(ratios, rated.truths(values)) if rated else ratios
+    return TruthRatio(ratios, table.cell(values), features=values)
+
+
+def _rated(scenario: Any) -> ErrorTable | None:
+    """The table of what the rate law of a scenario adds; None without a law, or where unknown."""
+    return _table(scenario).rated if feels_rate(scenario) else None
+
+
+def widened(values: Array, doubts: Array) -> Array:
+    """Sorted log ratios (n,) to a reference that itself is off by some of `doubts` (m,), sorted.
+
+    They move by its median, and both sides of their interval grow by its half-width, in quadrature.
+    """
+    if not len(doubts):
+        return values
+    (low, high), (least, most) = ends_of(len(values)), ends_of(len(doubts))
+    middle, width = np.median(values), 0.5 * (doubts[most] - doubts[least])
+    sides = np.where(values < middle, middle - values[low], values[high] - middle)
+    grown: Array = (values - middle) * np.hypot(sides, width) / np.maximum(sides, 1e-9)
+    return middle + np.median(doubts) + grown
+
+
+def anchor_peak(scenario: Any) -> float:
+    """Peak displacement of the anchor in m; infinite if it collapses, NaN if it has none."""
+    return _anchor(scenario).peak
+
+
+class Reached(NamedTuple):
+    """Peak and residual displacement (m) of an answer; whether it `hangs` on turned bars."""
+
+    peak: float
+    residual: float
+    hangs: bool = False
+
+
+@lru_cache(maxsize=256)
+def _anchor(scenario: Any) -> Reached:
+    """That of the anchor, NaN where it has none."""
+    return reached(make_model(_table(scenario).anchor).simulate(scenario))
+
+
+def _table(scenario: Any) -> ErrorTable:
+    table = table_of(scenario)
+    assert table is not None
+    return table
+
+
+def residual_ends(scenario: Any, response: Response | None = None) -> tuple[float, float] | None:
+    """Ends (m) of 90 % for the true residual displacement; None where that is not known.
+
+    The difference to that of the anchor was measured in parts of its peak. Where `response` is the
+    answer of the anchor it is not run again.
+    """
+    table = table_of(scenario)
+    if table is None or truth_ratio(scenario).reason:
+        return None
+    features, rated = truth_ratio(scenario).features, _rated(scenario)
+    parts = table.residuals(features)
+    more = rated.residuals(features) if rated else parts
+    if not len(parts) or not len(more):
+        return None
+    if response is not None and _is_anchor(response, table.anchor):
+        peak, residual, _ = reached(response)
+    else:
+        peak, residual, _ = _anchor(scenario)
+    if isnan(residual):
+        return None
+    parts = widened(parts, more) if rated else parts
+    low, high = ends_of(len(parts))
+    return residual + float(parts[low]) * peak, residual + float(parts[high]) * peak
+
+
+def reached(response: Response) -> Reached:
+    """Of a response: infinite and NaN at a collapse, NaN where not known."""
+    alive = survives(response)
+    if not alive:
+        return Reached(nan if alive is None else inf, nan)
+    peak, residual = (float(response.get(name, nan)) for name in (PEAK, RESIDUAL))
+    hangs = any(each.subject == HANGS for each in findings_of(response))
+    return Reached(peak if peak != 0.0 else nan, residual, hangs)
+
+
+def _is_anchor(response: Response, anchor: str) -> bool:
+    if response.attrs["model"] != anchor:
+        return False
+    return bool(json.loads(response.attrs["options"]) == options_of(make_model(anchor)))
+
+
+def _faster(scenario: Any) -> Any:
+    if isinstance(scenario, MemberPulse):
+        peak = FASTER * scenario.pulse.peak
+        return replace(scenario, pulse=replace(scenario.pulse, peak=peak))
+    return scenario.at_velocity(FASTER * scenario.striker.velocity)
