@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from workbench.cli import main
 from workbench.extras.uncertainty.exceedance import MEDIAN, Exceedance
-from workbench.scenarios import UncertainImpact
+from workbench.extras.uncertainty.scenario import UncertainImpact
 from workbench.study import Case, Figure, Study
 from workbench.study.assessment import Gate
 

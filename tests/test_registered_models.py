@@ -8,19 +8,13 @@ from pathlib import Path
 import pytest
 
 from workbench.extras.intake.impact_tests import impact_tests
+from workbench.extras.laboratory.scenario import ImpactProblem
 from workbench.extras.laboratory.schemes import SCHEMES
 from workbench.models.base import Model
 from workbench.models.published import Published
 from workbench.models.registry import make_model, model_kind, model_names
 from workbench.report.page.bibliography import bibliography
-from workbench.scenarios import (
-    ColumnPushover,
-    ImpactProblem,
-    MemberPulse,
-    Pulse,
-    StudTests,
-    frame_scenario,
-)
+from workbench.scenarios import ColumnPushover, MemberPulse, Pulse, StudTests, frame_scenario
 from workbench.testing import check_model
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -100,7 +94,7 @@ def test_the_page_of_the_thesis_names_every_model_and_integrator(name: str) -> N
 
 
 def test_published_series_are_all_readable() -> None:
-    from workbench.study.error_model import datasets, load
+    from workbench.base.catalogue import datasets, load
 
     seen = 0
     for entry in datasets():

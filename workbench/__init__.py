@@ -20,17 +20,17 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _PUBLIC = {  # room: names that it gives
-    "errors": ("InputError", "WorkbenchError"),
-    "materials": ("Steel",),
+    "base.errors": ("InputError", "WorkbenchError"),
+    "steel.materials": ("Steel",),
     "scenarios": (
         *("Column", "ColumnImpact", "ColumnPushover", "Striker", "Pulse", "MemberPulse"),
         *("Frame", "Node", "Member", "Joint", "Load", "FrameStriker", "regular_frame"),
         *("FrameImpact", "FrameStatic", "FramePulse", "FrameGroundMotion", "StudTests"),
     ),
-    "registry": ("make_model", "model_names"),
+    "models.registry": ("make_model", "model_names"),
     "study": ("Study", "Case", "Figure", "Gate", "Budget", "load_study", "run_study"),
-    "desk.sweeps": ("simulate_many", "sweep"),
-    "desk.answers": (
+    "api.sweeps": ("simulate_many", "sweep"),
+    "api.answers": (
         *("Comparison", "compare", "fit_residual", "hit", "load", "simulate", "study_of"),
     ),
 }

@@ -443,8 +443,6 @@ def test_a_collapse_is_an_answer(
 def test_a_broken_catalogue_is_status_1(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(
-        "workbench.study.error_model.check", lambda: ["dataset x: file y is missing"]
-    )
+    monkeypatch.setattr("workbench.base.catalogue.check", lambda: ["dataset x: file y is missing"])
     assert run(["data", "check"]) == 1
     assert "file y is missing" in capsys.readouterr().out

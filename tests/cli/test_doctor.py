@@ -39,9 +39,7 @@ def test_everything_wrong_comes_with_a_remedy(
     blocked = tmp_path / "file"
     blocked.write_text("")
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(blocked / "cache"))
-    monkeypatch.setattr(
-        "workbench.study.error_model.check", lambda: ["dataset x: file y is missing"]
-    )
+    monkeypatch.setattr("workbench.base.catalogue.check", lambda: ["dataset x: file y is missing"])
     monkeypatch.setattr("shutil.disk_usage", lambda path: SimpleNamespace(free=1e6))
     monkeypatch.setattr("importlib.metadata.version", lambda name: "0.0.1")
 

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from workbench.base.catalogue import DATA
+from workbench.base.catalogue import DATA, load
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.references.fiber_shear import FiberShear
 from workbench.models.registry import make_model, model_kind, model_names
@@ -19,7 +19,6 @@ from workbench.responses import Finding, Response
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.steel.sections import find, names, rectangular_tube, square
 from workbench.study import load_study
-from workbench.study.error_model import load
 from workbench.study.error_model.advice import (
     NONE,
     ORDER,

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import pytest
 
+from workbench.base.catalogue import check, dataset, datasets, load
 from workbench.base.errors import InputError
 from workbench.models.published import Published
 from workbench.responses import Outcome, outcome_of
-from workbench.study.error_model import check, dataset, datasets, load
 
 
 def test_every_dataset_is_described_and_present() -> None:

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from workbench.base.catalogue import check, load
 from workbench.base.errors import InputError
 from workbench.cli import run
-from workbench.study.error_model import check, load
 
 ENTRY = """
 [[dataset]]

@@ -7,9 +7,8 @@ import pytest
 from collision import collide
 
 from workbench.base.errors import InputError
-from workbench.extras.laboratory.complementarity import percussions
+from workbench.extras.laboratory.complementarity import Restitution, percussions
 from workbench.extras.laboratory.system import Penalty
-from workbench.mechanics.impact import Restitution
 
 CRADLE = np.array([[2.0, -1.0], [-1.0, 2.0]])  # three balls of 1 kg
 NORMALS = np.array([[-1.0, 0.0], [1.0, -1.0], [0.0, 1.0]])

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
+from workbench.base.catalogue import dataset
 from workbench.base.errors import InputError
 from workbench.extras.intake import add_table
 from workbench.extras.intake.impact_tests import impact_tests
 from workbench.extras.intake.impact_tests.measured import Measured
 from workbench.responses import Outcome, collapse_of, findings_of, outcome_of
-from workbench.study.error_model import dataset
 
 
 @pytest.fixture(autouse=True)

@@ -13,6 +13,7 @@ import pytest
 from scipy.stats import beta
 from scipy.stats import t as student
 
+from workbench.base.catalogue import dataset
 from workbench.extras.intake import add_table
 from workbench.report.build import build_report, document, summary
 from workbench.report.chapters.answer import in_brief
@@ -22,7 +23,6 @@ from workbench.report.page.terminal import show
 from workbench.report.stored import Stored
 from workbench.study import Study, load_study, run_study
 from workbench.study.assess import Assessment, assess
-from workbench.study.error_model import dataset
 from workbench.study.tables import rows_of
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -13,13 +13,13 @@ from pathlib import Path
 import pytest
 
 import workbench
+from workbench.base.catalogue import check, dataset, datasets, load
 from workbench.base.errors import InputError
 from workbench.cli import run
 from workbench.extras.intake import add_table, check_file, problems_of_own
 from workbench.responses import Outcome, outcome_of
 from workbench.studs.answers import StudStrength
 from workbench.study import Case, Study
-from workbench.study.error_model import check, dataset, datasets, load
 
 HEADER = (
     "campaign,specimen,section,span,hit_at,base,head,axial_load,mass,velocity,yield_stress,"

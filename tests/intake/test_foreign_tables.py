@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 from openpyxl import Workbook
 
+from workbench.base.catalogue import check, dataset, load
 from workbench.base.errors import InputError
 from workbench.base.tables import Reading
 from workbench.cli import run
 from workbench.extras.intake import add_table, problems_of_own
 from workbench.studs.tables import shipped
-from workbench.study.error_model import check, dataset, load
 
 PROVENANCE = """\
 title = "{title}"

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import workbench
+from workbench.base.catalogue import load
 from workbench.cli import run
-from workbench.study.error_model import load
 
 GUIDE = Path(workbench.__file__).parents[1] / "docs" / "user-guide.md"
 

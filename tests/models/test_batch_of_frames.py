@@ -11,7 +11,6 @@ import pytest
 
 from workbench.base.datafiles import data_directory
 from workbench.base.errors import OutOfDomainError, SolverError
-from workbench.extras.uncertainty.sample_runs import answers_of
 from workbench.models import superelements
 from workbench.models.base import Model
 from workbench.models.batch import FAILURE, OUTCOME, simulate_many
@@ -20,6 +19,7 @@ from workbench.models.superelements import FlexibleSuperelement, RigidSupereleme
 from workbench.responses import outcome_of, scalars_of
 from workbench.scenarios import FrameImpact, load_scenario, to_toml
 from workbench.scenarios.varied import Varied
+from workbench.study.batches import answers_of
 
 THESIS = data_directory() / "published" / "heng2017_frame.toml"
 ONE_BAR = RigidSuperelement(elements=1, rotational_stiffness=6.0, accuracy=0.01)

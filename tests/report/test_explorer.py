@@ -22,6 +22,7 @@ from hypothesis import strategies as st
 from synthetic_study import Synthetic, columns, shared_store_of
 from toy_models import Troubled
 
+from workbench.extras.uncertainty.scenario import UncertainImpact
 from workbench.models.base import Answering, respond
 from workbench.models.references.refine import refined
 from workbench.report.chapters.answer import matrix_rows
@@ -30,7 +31,7 @@ from workbench.report.explorer.cells import FINE, packed
 from workbench.report.stored import Stored
 from workbench.responses import Finding, build_response
 from workbench.responses.uncertainty import uncertainty_of
-from workbench.scenarios import ColumnImpact, ColumnPushover, Striker, UncertainImpact
+from workbench.scenarios import ColumnImpact, ColumnPushover, Striker
 from workbench.steel.sections import find
 from workbench.study import Case, Study
 

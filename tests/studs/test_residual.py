@@ -9,13 +9,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from workbench.base.catalogue import load
 from workbench.base.errors import InputError
 from workbench.studs import RELATIONS, TESTS, Grade, MechanicalCurve, ResidualFit, fit_residual
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import plain
 from workbench.studs.reading import from_frame
 from workbench.studs.statistics.prediction import without_each
-from workbench.study.error_model import load
 
 Maker = Callable[..., pd.DataFrame]
 

@@ -72,7 +72,8 @@ def test_an_unknown_name_has_the_nearest_known_one(
         ("leaves", "x = 1\nraise SystemExit(2)\n", "line 2: SystemExit: 2"),
         (
             "invalid",
-            "from workbench.base.errors import InputError\nraise InputError('a.b', 1, 'must be 2')\n",
+            "from workbench.base.errors import InputError\n"
+            "raise InputError('a.b', 1, 'must be 2')\n",
             "a.b = 1: must be 2",
         ),
     ],

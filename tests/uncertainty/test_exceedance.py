@@ -7,10 +7,11 @@ from builders import UNCERTAIN
 from workbench.base.errors import InputError
 from workbench.extras.uncertainty.chapter import in_short
 from workbench.extras.uncertainty.exceedance import MEDIAN, Exceedance, half_widths, shares
+from workbench.extras.uncertainty.scenario import UncertainImpact
 from workbench.report.gallery import draw_all
 from workbench.report.stored import Stored
 from workbench.responses import Outcome, outcome_of
-from workbench.scenarios import UncertainImpact, load_scenario, to_toml
+from workbench.scenarios import load_scenario, to_toml
 from workbench.study import Case, Figure, Study, run_study
 from workbench.study.assess import assess
 

@@ -12,7 +12,7 @@ import pytest
 SLOW = """
 import os, sys, time
 from pathlib import Path
-from workbench.extras.uncertainty.sample_runs import Processes
+from workbench.study.batches import Processes
 
 def slow(_):
     Path(sys.argv[1], str(os.getpid())).touch()

@@ -17,7 +17,6 @@ from workbench.api.answers import asked
 from workbench.base.arrays import Array
 from workbench.base.errors import InputError
 from workbench.base.fields import Number
-from workbench.extras.uncertainty.sample_runs import answers_of
 from workbench.models import batch
 from workbench.models.base import Model
 from workbench.models.batch import FAILURE, OUTCOME
@@ -26,6 +25,7 @@ from workbench.responses.variables import VARIABLES
 from workbench.scenarios import Scenario, load_scenario
 from workbench.scenarios.files import place_of, to_toml
 from workbench.scenarios.varied import Varied
+from workbench.study.batches import answers_of
 from workbench.study.error_model.advice import choose
 
 MOST = 1_000_000

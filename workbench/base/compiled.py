@@ -23,9 +23,9 @@ from workbench.base.datafiles import can_write
 
 __all__ = ["KernelCache", "cache_folder", "njit", "register_jitable", "sources", "usual_folder"]
 
-_ROOT = Path(__file__).resolve().parent
+_ROOT = Path(__file__).resolve().parents[1]
 _IMPORTS = re.compile(r"^\s*from (workbench[\w.]*) import (\([^)]*\)|[^\n]*)", re.MULTILINE)
-_KERNELS = re.compile(r"^from (numba|workbench\.compiled)\b", re.MULTILINE)
+_KERNELS = re.compile(r"^from (numba|workbench\.base\.compiled)\b", re.MULTILINE)
 _TYPES = re.compile(r"^class (\w+)\(NamedTuple\)", re.MULTILINE)
 _KEPT = 8  # folders of a file, of older contents and of other installations too
 

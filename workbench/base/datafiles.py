@@ -20,7 +20,7 @@ def data_directory(name: str = "data") -> Path:
     Inside an installed package it is ``workbench/_data``, in a source tree ``data`` beside the
     package. Raises `WorkbenchError` when neither exists.
     """
-    package = Path(__file__).resolve().parent
+    package = Path(__file__).resolve().parents[1]
     for directory in (package / f"_{name}", package.parent / name):
         if directory.is_dir():
             return directory

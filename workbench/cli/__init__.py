@@ -6,12 +6,14 @@ import re
 import signal
 import sys
 import unicodedata
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Annotated, Any
 
 from workbench.base.errors import InputError, WorkbenchError, message_of, shown
+from workbench.base.offered import offered
 
 _SUMMARY = """How far can each reduced model of a steel structure under impact be trusted?
 
@@ -74,8 +76,6 @@ def _application() -> Callable[..., Any]:
 
     from workbench import __version__
     from workbench.cli import data, doctor, fit, models, new, simulate, studies, vary
-    from workbench.extras.practice import chart
-    from workbench.extras.uncertainty.verbs import fragility, sample, serve
 
     app = typer.Typer(
         add_completion=False,
@@ -99,23 +99,38 @@ def _application() -> Callable[..., Any]:
     app.command("advise")(models.advise)
     app.command("simulate")(simulate.simulate)
     app.command("limit")(vary.limit)
-    app.command("fragility")(fragility.fragility)
-    app.command("verify")(fragility.verify)
     app.command("sweep")(vary.sweep)
-    app.command("sample")(sample.sample)
-    app.command("gather")(sample.gather)
-    app.command("sensitivity")(sample.sensitivity)
-    app.command("rare")(sample.rare)
-    app.command("serve")(serve.serve)
     for function in (studies.run, studies.status, studies.report, studies.validate):
         app.command(function.__name__)(function)
-    app.add_typer(fit.app, name="fit")
-    app.add_typer(new.app, name="new")
-    app.add_typer(data.app, name="data")
-    app.add_typer(chart.app, name="chart")
+    groups = {"fit": fit.app, "new": new.app, "data": data.app}
+    for point in offered("verbs"):
+        _add(point, app, groups)
+    for name, group in groups.items():
+        app.add_typer(group, name=name)
     app.command("doctor")(doctor.doctor)
     command: Callable[..., Any] = typer.main.get_command(app)
     return command
+
+
+def _add(point: EntryPoint, app: Any, groups: Mapping[str, Any]) -> None:
+    """Add a verb of another package: a function or a group; ``data.add`` to the group of that name.
+
+    One that cannot be imported says so when it is asked.
+    """
+    group, _, name = point.name.rpartition(".")
+    try:
+        loaded = point.load()
+    except Exception as error:  # a third-party import may fail in any way
+        problem = f"cannot be used: {type(error).__name__} on import: {message_of(error)}"
+
+        def loaded() -> None:
+            """Verb of another package that cannot be imported."""
+            raise InputError("verb", point.name, problem, f"install the package of {point.value}")
+
+    if hasattr(loaded, "registered_commands"):
+        app.add_typer(loaded, name=name)
+    else:
+        groups.get(group, app).command(name)(loaded)
 
 
 def _drop_output() -> None:

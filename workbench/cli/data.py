@@ -9,12 +9,10 @@ from typing import Any
 
 import typer
 
-from workbench.cli.output import DECIMAL, SEP, SHEET, Answer, Names, option, verb, writable
+from workbench.cli.output import Answer, option, verb, writable
 from workbench.cli.studies import StoreRoot
 from workbench.report.page.tree import (
     Block,
-    Bullets,
-    Callout,
     Definitions,
     Paragraph,
     Section,
@@ -30,7 +28,7 @@ app = typer.Typer(
 @verb
 def list_datasets() -> Answer:
     """List the datasets."""
-    from workbench.study.error_model import datasets
+    from workbench.base.catalogue import datasets
 
     entries = [dataclasses.asdict(entry) for entry in datasets()]
     columns = {"dataset": "name", **{key: key for key in ("role", "licence", "title")}}
@@ -41,8 +39,8 @@ def list_datasets() -> Answer:
 @verb
 def show(name: str = typer.Argument(metavar="NAME", help="Name of the dataset.")) -> Answer:
     """Show where a dataset is from, and its rows."""
+    from workbench.base.catalogue import dataset, load
     from workbench.studs.fit_protocol import plain
-    from workbench.study.error_model import dataset, load
 
     entry = dataclasses.asdict(dataset(name))
     rows = plain(load(name))
@@ -53,71 +51,6 @@ def _shown(entry: dict[str, Any], rows: list[dict[str, Any]]) -> Iterator[Block]
     yield Definitions(tuple((key, value) for key, value in entry.items() if isinstance(value, str)))
     yield Section("columns", "Columns:", (Definitions(tuple(entry["columns"].items())),))
     yield Table.of("rows", "", {name: name for name in (rows or [entry["columns"]])[0]}, rows)
-
-
-@app.command("add")
-@verb
-def add(
-    table: str = typer.Argument(metavar="TABLE.csv|xlsx", help="Table of tests."),
-    mapping: str | None = option(
-        "What its columns are, and where it is from.", None, "MAPPING.toml"
-    ),
-    kind: str | None = option(
-        "impact-tests, stud-tests or stud-points.  [default: told from the columns]", None, "KIND"
-    ),
-    into: str | None = option(
-        "Your own data.  [default: $WORKBENCH_DATA, else ./lab_data]", None, "FOLDER"
-    ),
-    name: str | None = option("Its name.  [default: that of the file]", None, "NAME"),
-    despite_doubts: bool = option(
-        "Take it although it looks wrong.", False, flag="--despite-doubts"
-    ),
-    sheet: str | None = SHEET,
-    sep: str | None = SEP,
-    decimal: str | None = DECIMAL,
-) -> Answer:
-    """Add a table to your own data: impacts on steel members, push-outs of studs, their curves.
-
-    Everything is checked before anything is written; numbers without source and licence are not
-    taken. Templates: `workbench new impact-tests`, `workbench new mapping`.
-    """
-    from workbench.base.tables import Reading
-    from workbench.extras.intake import add_table
-
-    added = add_table(
-        Path(table),
-        mapping=None if mapping is None else Path(mapping),
-        kind=kind,
-        into=None if into is None else Path(into),
-        name=name,
-        despite_doubts=despite_doubts,
-        how=Reading(sheet, sep, decimal),
-    )
-    entry = dataclasses.asdict(added.entry)
-    content = {"dataset": entry, **{n: getattr(added, n) for n in ("already", "read", "rows")}}
-    lists = {"notes": list(added.notes), "doubts": list(added.doubts)}
-    return Answer({**content, **lists}, _added(added))
-
-
-def _added(added: Any) -> Iterator[Block]:
-    entry = added.entry
-    if added.already:
-        text = "The same rows are in the catalogue already"
-        yield Paragraph(f"{text}, as {entry.name}: {entry.path}")
-        yield Paragraph("Nothing was written.")
-        return
-    rows = "SYNTHETIC rows" if entry.role == "synthetic" else "rows"
-    yield Paragraph(f"{added.rows} {rows} of {entry.kind} are in {entry.path} as {entry.name}.")
-    stated = ("title", "source", "licence", "year", "role")
-    yield Definitions(tuple((name, getattr(entry, name)) for name in stated))
-    if added.notes:
-        yield Bullets(added.notes)
-    for text in added.doubts:
-        yield Callout("doubt", f"taken despite: {text}")
-    if added.read:
-        yield Paragraph(f"Next: {added.then}")
-    else:
-        yield Callout("note", f"The catalogue reads this folder with WORKBENCH_DATA={entry.folder}")
 
 
 @app.command("measure")
@@ -137,9 +70,9 @@ def measure(
     """
     import pandas as pd
 
+    from workbench.base.catalogue import dataset
     from workbench.base.fields import Choice
     from workbench.study import load_study, run_study
-    from workbench.study.error_model import dataset
     from workbench.study.error_model.error_table import TABLES, TRUTH
     from workbench.study.error_rows import error_rows
     from workbench.study.runner import progress_for
@@ -156,42 +89,3 @@ def measure(
     judged = int(rows[TRUTH].notna().sum())
     text = f"{len(rows)} rows, {judged} of them with a truth, in {path}."
     return Answer({"rows": len(rows), "judged": judged, "file": str(path)}, [Paragraph(text)])
-
-
-@app.command("check")
-@verb
-def check(
-    files: Names = typer.Argument(None, metavar="[FILE]...", help="Check these files alone."),
-    sheet: str | None = SHEET,
-    sep: str | None = SEP,
-    decimal: str | None = DECIMAL,
-) -> Answer:
-    """Check the catalogue: files, columns and sources, and every row of the tables of tests.
-
-    With files of your own, only those: tests on studs, points of load-slip curves, impact tests.
-    """
-    from workbench.base.tables import Reading
-    from workbench.extras.intake import check_file, problems_of_own
-    from workbench.studs import check_tables
-    from workbench.study.error_model import check as problems_of
-    from workbench.study.error_model import datasets
-
-    if files:
-        how = Reading(sheet, sep, decimal)
-        results = {str(file): check_file(Path(file), how) for file in files}
-        content: dict[str, Any] = {
-            name: {file: lists[place] for file, lists in results.items()}
-            for place, name in enumerate(("files", "suspicions", "notes"))
-        }
-        texts = []
-        for file, (bad, doubts, notes) in results.items():
-            more = f", {len(doubts)} suspicions" if doubts else ""
-            texts += [*notes, *bad, *(f"suspicion: {text}" for text in doubts)]
-            texts.append(f"{file}: {len(bad)} problems{more}.")
-        failed = any(content["files"].values())
-    else:
-        problems = [*problems_of(), *check_tables(), *problems_of_own()]
-        content = {"datasets": len(datasets()), "problems": problems}
-        texts = [*problems, f"{len(datasets())} datasets, {len(problems)} problems."]
-        failed = bool(problems)
-    return Answer(content, [Paragraph(text) for text in texts], int(failed))

@@ -152,7 +152,7 @@ def _store(root: Path) -> Iterator[Check]:
 
 
 def _data() -> Iterator[Check]:
-    from workbench.study.error_model import check, datasets
+    from workbench.base.catalogue import check, datasets
 
     problems = check()
     problem = f"{len(problems)} problems, first: {problems[0]}" if problems else ""

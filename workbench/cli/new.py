@@ -22,29 +22,11 @@ _STARTS = {
 }
 
 
-def _printed(text: str, as_json: bool) -> Answer:
-    """The template as it is: no line of a file may be wrapped."""
+def printed(text: str, as_json: bool) -> Answer:
+    """Answer of a template. The template as it is: no line of a file may be wrapped."""
     if not as_json:
         sys.stdout.write(text)
     return Answer({"template": text})
-
-
-@app.command("impact-tests")
-@verb
-def impact_tests(as_json: Json = False) -> Answer:
-    """A table of impact tests on steel members, commented, with an example: for `data add`."""
-    from workbench.extras.intake.impact_tests.rows import TEMPLATE
-
-    return _printed(TEMPLATE.text, as_json)
-
-
-@app.command("mapping")
-@verb
-def mapping_template(as_json: Json = False) -> Answer:
-    """A mapping file for a published table, for `workbench data add --mapping`."""
-    from workbench.extras.intake.mapping import TEMPLATE
-
-    return _printed(TEMPLATE.read_text(encoding="utf-8"), as_json)
 
 
 @app.command("striker")
@@ -71,7 +53,7 @@ def striker(
         f"# braked by {deceleration:g} m/s2, {distance:g} m from its lane, at {angle:g} degrees\n"
         f"[striker]\nmass = {made.mass!r}\nvelocity = {made.velocity:.9g}\n{front}"
     )
-    return _printed(text, as_json)
+    return printed(text, as_json)
 
 
 @app.command("missile")
@@ -92,7 +74,7 @@ def missile(
         f'[pulse]\nshape = "table"\npeak = {pulse.peak:.9g}\nload = "point"\n'
         f"times = {_listed(pulse.times or ())}\nfactors = {_listed(pulse.factors or ())}\n"
     )
-    return _printed(text, as_json)
+    return printed(text, as_json)
 
 
 @app.command("near-fault")
@@ -109,7 +91,7 @@ def near_fault(
 
     step, acceleration = near_fault_motion(amplitude, frequency, cycles, phase)
     text = f"[ground]\ntime_step = {step!r}\nacceleration = {_listed(acceleration)}\n"
-    return _printed(text, as_json)
+    return printed(text, as_json)
 
 
 def _listed(numbers: Iterable[float]) -> str:
@@ -128,14 +110,14 @@ def studs(
     """A table of tests on studs, commented, with an example: for `workbench fit`."""
     from workbench.studs.schema import template
 
-    return _printed(template(kind, example), as_json)
+    return printed(template(kind, example), as_json)
 
 
 def _command(file: str, text: str) -> None:
     """The template of a file as a command, called as the file is without its ending."""
 
     def start(as_json: Json = False) -> Answer:
-        return _printed((TEMPLATES / f"{file}.txt").read_text(encoding="utf-8"), as_json)
+        return printed((TEMPLATES / f"{file}.txt").read_text(encoding="utf-8"), as_json)
 
     start.__doc__ = text
     app.command(file.partition(".")[0])(verb(start))

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workbench.base.errors import InputError
+from workbench.base.offered import companion
 from workbench.cli.output import (
     PICTURES,
     Answer,
@@ -128,9 +129,7 @@ def simulate(
 def _write(target: Path, scenario: Scenario, response: Response) -> None:
     """Write a response as netCDF, or its deformed shapes."""
     if target.suffix.lower() == ".pvd":
-        from workbench.extras.exchange.vtk import write_shapes
-
-        write_shapes(target, scenario, response)
+        companion("exports", "pvd")(target, scenario, response)
     else:
         from workbench.study.store import to_netcdf_bytes, write_atomically
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from workbench.base.errors import InputError
+from workbench.base.offered import companion
 from workbench.cli.output import Answer, InterruptedByUserError, Json, option, verb, writable
 from workbench.report.page.tree import Block, Bullets, Definitions, Paragraph
 
@@ -165,7 +166,6 @@ def report(
     if not set(wanted) <= {"html", "pdf", "xlsx", "parquet"}:
         raise InputError("--format", formats, "must be among html, pdf, xlsx, parquet")
     archive = writable("--crate", crate, "zip")
-    from workbench.extras.exchange.crate import write_crate
     from workbench.report.build import build_report
     from workbench.report.build import summary as write_summary
     from workbench.report.chapters.answer import in_brief
@@ -179,7 +179,7 @@ def report(
     if archive is not None:
         form = f"{study} --quick" if quick else study
         commands = f"workbench run {form}", f"workbench report {form} --crate {archive.name}"
-        write_crate(stored, files["figures"].parent, archive, commands)
+        companion("exports", "crate")(stored, files["figures"].parent, archive, commands)
         files["crate"] = archive
     if summary is not None:
         files["summary"] = write_summary(stored, Path(summary))

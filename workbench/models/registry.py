@@ -3,14 +3,15 @@
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 from typing import Any
 
 from workbench.base.errors import InputError
 from workbench.base.fields import did_you_mean
+from workbench.base.offered import offered
 from workbench.models.base import Model, with_options
 
-GROUP = "workbench.models"  # of the entry points that offer models
+GROUP = "models"  # of the entry points that offer models
 _NEW = " (a new entry point counts once its package is installed again)"
 _DECLARED = ("name", "version", "answers", "assumptions", "sources", "domain", "simulate")
 
@@ -30,7 +31,7 @@ class Offer:
 
 def model_names() -> list[str]:
     """Names of all registered models, sorted; nothing is imported."""
-    return sorted({point.name for point in _points()})
+    return sorted({point.name for point in offered(GROUP)})
 
 
 def offers() -> list[Offer]:
@@ -65,14 +66,8 @@ def make_model(name: str, options: Mapping[str, Any] | None = None) -> Model:
     return model
 
 
-def _points() -> list[EntryPoint]:
-    # A distribution may be seen twice (an editable install on the path and its metadata).
-    unique = {(point.name, point.value): point for point in entry_points(group=GROUP)}
-    return list(unique.values())
-
-
 def _offer(name: str) -> Offer:
-    points = [point for point in _points() if point.name == name]
+    points = [point for point in offered(GROUP) if point.name == name]
     provider = ", ".join(sorted({p.dist.name if p.dist else "unknown" for p in points}))
     return Offer(name, provider, *_load(name, points))
 

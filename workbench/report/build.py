@@ -7,8 +7,7 @@ from pathlib import Path
 from workbench.base.datafiles import check_library
 from workbench.base.errors import InputError
 from workbench.base.fields import Choice
-from workbench.extras.laboratory import integrators
-from workbench.extras.uncertainty import chapter as exceedance
+from workbench.base.offered import offered
 from workbench.report.chapters import (
     answer,
     budgets,
@@ -98,8 +97,8 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         if of not in apart and p.key != first
     )
     decisive = [p for _, p in drawn if p.key == first]
-    chapters = (stud_study, integrators, exceedance)
-    more = [block for chapter in chapters for block in chapter.in_short(study, stored)]
+    chapters = [stud_study.in_short, *(point.load() for point in offered("chapters"))]
+    more = [block for chapter in chapters for block in chapter(study, stored)]
     parts: list[Section | None] = [
         answer.answer(study, stored, decisive, more),
         choice.error_model(stored),

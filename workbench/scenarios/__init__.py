@@ -23,12 +23,10 @@ from workbench.scenarios.frame_events import cyclic_path as cyclic_path
 from workbench.scenarios.frame_events import frame_of as frame_of
 from workbench.scenarios.frame_events import frame_scenario as frame_scenario
 from workbench.scenarios.frame_forms import regular_frame as regular_frame
-from workbench.scenarios.laboratory import ImpactProblem as ImpactProblem
-from workbench.scenarios.laboratory import StudTests as StudTests
-from workbench.scenarios.laboratory import UncertainImpact as UncertainImpact
 from workbench.scenarios.parts import Joint as Joint
 from workbench.scenarios.parts import Load as Load
 from workbench.scenarios.parts import Member as Member
 from workbench.scenarios.parts import Node as Node
 from workbench.scenarios.pulse import MemberPulse as MemberPulse
 from workbench.scenarios.pulse import Pulse as Pulse
+from workbench.scenarios.stud_tests import StudTests as StudTests

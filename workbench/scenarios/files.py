@@ -10,21 +10,21 @@ from workbench.base.codec import Made, dumped, label_of, read, write_text
 from workbench.base.datafiles import open_input
 from workbench.base.errors import InputError
 from workbench.base.fields import Choice
+from workbench.base.offered import companion, offered
 from workbench.scenarios.column import ColumnImpact, ColumnPushover
 from workbench.scenarios.frame_events import FrameGroundMotion, FrameImpact, FramePulse, FrameStatic
 from workbench.scenarios.frame_events import FrameScenario as FrameScenario
-from workbench.scenarios.laboratory import ImpactProblem, StudTests, UncertainImpact
 from workbench.scenarios.pulse import MemberPulse
+from workbench.scenarios.stud_tests import StudTests
 
 ColumnScenario = ColumnPushover | ColumnImpact | MemberPulse
-Scenario = ColumnScenario | FrameScenario | StudTests | ImpactProblem | UncertainImpact
+Scenario = ColumnScenario | FrameScenario | StudTests
 
 KINDS: dict[str, type[Any]] = {
     kind.KIND: kind
     for kind in (
         *(ColumnPushover, ColumnImpact, MemberPulse),
-        *(FrameStatic, FrameImpact, FrameGroundMotion, FramePulse, StudTests, ImpactProblem),
-        UncertainImpact,
+        *(FrameStatic, FrameImpact, FrameGroundMotion, FramePulse, StudTests),
     )
 }
 LARGEST_FILE = 5_000_000  # bytes; a record of the ground of 100 000 steps has some 1 MB
@@ -119,12 +119,20 @@ def scenario_from(tables: Mapping[str, Any], made: Made | None = None) -> Scenar
 
     Parts that are `made`, see `codec.values_beside`, are not made again.
     """
-    if "kind" not in tables:
-        raise InputError("kind", None, "is missing", "write one of " + ", ".join(KINDS))
-    kind = Choice(tuple(KINDS)).check("kind", tables["kind"])
-    given = {key: table for key, table in tables.items() if key != "kind"}
-    scenario: Scenario = read(KINDS[kind], {"name": kind, **given}, made)
+    kind = tables.get("kind")
+    known = KINDS.get(str(kind)) or _kind_of_a_companion(kind)
+    inputs = {key: table for key, table in tables.items() if key != "kind"}
+    scenario: Scenario = read(known, {"name": kind, **inputs}, made)
     return scenario
+
+
+def _kind_of_a_companion(kind: Any) -> type[Any]:
+    """Class of scenarios of a kind that another package offers. Raises `InputError`."""
+    kinds = (*KINDS, *(point.name for point in offered("scenarios")))
+    if kind is None:
+        raise InputError("kind", None, "is missing", "write one of " + ", ".join(kinds))
+    scenario_class: type[Any] = companion("scenarios", Choice(kinds).check("kind", kind))
+    return scenario_class
 
 
 def to_toml(scenario: Scenario) -> str:

@@ -13,7 +13,7 @@ import pandas as pd
 
 from workbench.base.fields import Choice, Flag, Number, checked
 from workbench.responses import finding
-from workbench.scenarios.laboratory import StudTests
+from workbench.scenarios.stud_tests import StudTests
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import answer_tables, judge
 from workbench.studs.formulas import FORMULAS, SHEAR_MODELS, usual_stud

@@ -11,13 +11,14 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from workbench.base.catalogue import dataset
 from workbench.base.errors import InputError, OutOfDomainError
 from workbench.base.tables import FILES
 from workbench.models.base import Answering
 from workbench.responses import Finding, Response, build_response, finding
 from workbench.responses.uncertainty import SAMPLED
 from workbench.scenarios import Scenario
-from workbench.scenarios.laboratory import StudTests
+from workbench.scenarios.stud_tests import StudTests
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import Fit, Judgement, Tables, answer_tables, plain
 from workbench.studs.interaction import combined_tests
@@ -33,7 +34,6 @@ from workbench.studs.tables import (
     split_table,
     table_schemas,
 )
-from workbench.study.error_model import dataset
 
 
 @dataclass(frozen=True)

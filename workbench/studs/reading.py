@@ -1,7 +1,7 @@
 """Tables of tests by their schemas; every bad row is named by file, line, column and reason.
 
-`workbench.base.tables` gives the cells; here are the header, cells by the schema, rows by its rules, and
-what must not repeat between rows.
+`workbench.base.tables` gives the cells; here are the header, cells by the schema, rows by its
+rules, and what must not repeat between rows.
 """
 
 from collections import Counter

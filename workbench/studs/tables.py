@@ -6,13 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from workbench.base.catalogue import STUD_POINTS, STUD_TESTS
+from workbench.base.catalogue import STUD_POINTS, STUD_TESTS, Dataset, dataset, datasets
 from workbench.base.errors import InputError
 from workbench.base.fields import Choice, did_you_mean
 from workbench.studs.quantities import Array
 from workbench.studs.reading import examine
 from workbench.studs.schema import POINTS, TESTS, Table
-from workbench.study.error_model import Dataset, dataset, datasets
 
 SHIPPED = {
     "stud-push-out": TESTS,

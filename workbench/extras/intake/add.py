@@ -13,7 +13,7 @@ import pandas as pd
 import tomli_w
 
 from workbench import __version__
-from workbench.base.catalogue import CATALOGUE, SYNTHETIC, datasets_in
+from workbench.base.catalogue import CATALOGUE, SYNTHETIC, Dataset, datasets, datasets_in
 from workbench.base.datafiles import data_directory, own_data_directory
 from workbench.base.errors import InputError
 from workbench.base.tables import FOUND_OUT, Reading, read_cells
@@ -22,7 +22,6 @@ from workbench.extras.intake.kinds import KINDS, Kind, kind_of, names_column, ro
 from workbench.extras.intake.mapping import Mapping, check_stated, read_mapping
 from workbench.studs.reading import Examination, examined
 from workbench.studs.schema import Table
-from workbench.study.error_model import Dataset, datasets
 from workbench.study.store import locked, write_atomically
 from workbench.study.tables import for_spreadsheets
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from workbench.base.catalogue import IMPACT_TESTS, STUD_POINTS, STUD_TESTS
+from workbench.base.catalogue import IMPACT_TESTS, STUD_POINTS, STUD_TESTS, Dataset, datasets
 from workbench.base.errors import InputError
 from workbench.base.fields import Choice, did_you_mean
 from workbench.base.tables import FOUND_OUT, Reading, read_cells
@@ -19,7 +19,6 @@ from workbench.studs import suspicion as of_studs
 from workbench.studs.reading import examine, examined
 from workbench.studs.schema import POINTS, TESTS, Table
 from workbench.studs.tables import SHIPPED, same_contents
-from workbench.study.error_model import Dataset, datasets
 
 
 class Kind(NamedTuple):

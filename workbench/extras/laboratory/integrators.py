@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from workbench.extras.laboratory.scenario import ImpactProblem
 from workbench.report.page.formatting import number
 from workbench.report.page.page import Page
 from workbench.report.page.tree import ABSENT, Block, Cell, Column, Table
 from workbench.report.stored import Stored
 from workbench.responses import Response
-from workbench.scenarios import ImpactProblem
 from workbench.study.definition import Study
 
 GOOD = 0.01  # error of the places over the largest place

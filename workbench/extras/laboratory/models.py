@@ -16,11 +16,11 @@ from workbench.base.errors import SolverError
 from workbench.base.fields import Choice, Number, checked
 from workbench.extras.laboratory.impact_systems import PROBLEMS as STRUCTURES
 from workbench.extras.laboratory.problems import Problem, problem
+from workbench.extras.laboratory.scenario import ImpactProblem
 from workbench.extras.laboratory.schemes import SCHEMES
 from workbench.extras.laboratory.systems import Run, run
 from workbench.models.base import Answering
 from workbench.responses import Finding, Response, build_response
-from workbench.scenarios import ImpactProblem
 
 LADDER = {
     "ladder.step": ("s", "time step"),

@@ -11,7 +11,6 @@ section is that of its web, elastic over the height h and then plastic: V_pl at 
 """
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -20,7 +19,6 @@ from workbench.base.arrays import Array
 from workbench.base.errors import Collapse, CollapseError
 from workbench.base.errors import Mechanism as Fall
 from workbench.base.fields import checked
-from workbench.extras.practice.hand_estimate import AXIAL, AXIAL_HELP, SECTION, plastic_moment
 from workbench.mechanics.impact.pace import Pace
 from workbench.mechanics.impact.records import follow
 from workbench.models.energy_estimate import energy_to_absorb
@@ -29,7 +27,14 @@ from workbench.models.resistance import Resistance, ResistanceCurve, mechanism_o
 from workbench.models.resistance import curve as events
 from workbench.models.resistance.columns import STAGES
 from workbench.models.resistance.curve import straight_pieces
-from workbench.models.resistance.deflected_shape import Stage, beam_of
+from workbench.models.resistance.deflected_shape import (
+    AXIAL,
+    AXIAL_HELP,
+    NONE,
+    SECTION,
+    Stage,
+    stages_of,
+)
 from workbench.models.resistance.given import digest, given_curve, is_given
 from workbench.models.resistance.kernels import PIECE
 from workbench.models.single_dof import SingleDof, march
@@ -38,7 +43,7 @@ from workbench.responses import Finding, Response, finding, findings_of, set_fin
 from workbench.scenarios import Column, ColumnImpact, ColumnScenario, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
 
-NONE, WEB = "none", "web"
+WEB = "web"
 DIRECT_SHEAR = Resistance((NONE, WEB))
 _PARTS = 64  # of the period of the mass that slides
 _PLACES = ("base", "hit", "head")  # nodes of the beam
@@ -95,7 +100,7 @@ class Biggs(SingleDof):
 
     def stages(self, column: Column, uniform: bool = False) -> tuple[Stage, ...]:
         """Stages under a force at the hit point, or under a `uniform` line load."""
-        return _stages(column, self.axial, uniform)
+        return stages_of(column, self.axial, uniform)
 
     def curve(self, column: Column, uniform: bool = False) -> ResistanceCurve:
         """As that of `single-dof`. Raises `OutOfDomainError`."""
@@ -209,11 +214,6 @@ def dynamic_reactions(
         right[4] = 0.0 if uniform else load[here]
         reactions[:, here] = np.linalg.solve(balance, right)[:2]
     return reactions
-
-
-@lru_cache(maxsize=256)
-def _stages(column: Column, axial: str, uniform: bool) -> tuple[Stage, ...]:
-    return beam_of(column, uniform).stages(np.full(3, plastic_moment(column, axial)))
 
 
 def _share(uniform: bool) -> float:

@@ -12,32 +12,15 @@ from typing import ClassVar
 
 import numpy as np
 
-from workbench.base.fields import Choice, checked
+from workbench.base.fields import checked
 from workbench.models.base import Answering
 from workbench.models.domain import member_findings
 from workbench.models.energy_estimate import energy_to_absorb, no_restitution, weights_of
 from workbench.models.resistance import ResistanceCurve, columns, mechanism_of
 from workbench.models.resistance.curve import straight_pieces
+from workbench.models.resistance.deflected_shape import AXIAL, AXIAL_HELP, SECTION, plastic_moment
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact
-
-NONE, LINEAR, SECTION = "none", "linear", "section"
-AXIAL = Choice((NONE, LINEAR, SECTION))
-AXIAL_HELP = "how the axial load lowers M_p: linear, M_p (1 - n), or by the envelope of the section"
-
-
-def plastic_moment(column: Column, axial: str) -> float:
-    """Plastic moment (N m) of the column beside its axial load, held as it is before the hit.
-
-    `axial`: none, M_p; linear, M_p (1 - n); section, of the exact plastic envelope.
-    """
-    properties = column.properties
-    share = abs(column.axial_load) / properties.squash_load
-    if axial == SECTION:
-        left = float(np.interp(share, *column.strength_section.interaction_envelope()))
-    else:
-        left = 1.0 - share if axial == LINEAR else 1.0
-    return properties.plastic_moment * left
 
 
 def turning(column: Column) -> float:

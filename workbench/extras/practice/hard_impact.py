@@ -13,9 +13,10 @@ from math import sqrt
 from typing import Any, ClassVar
 
 from workbench.base.fields import Choice, Number, checked
-from workbench.extras.practice.hand_estimate import SECTION, mechanism_load
+from workbench.extras.practice.hand_estimate import mechanism_load
 from workbench.models.base import Answering
 from workbench.models.resistance import RESISTANCES, column_curve, columns
+from workbench.models.resistance.deflected_shape import SECTION
 from workbench.models.single_dof.pulse import Pushed, push
 from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import ColumnImpact, Pulse

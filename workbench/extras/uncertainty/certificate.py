@@ -33,16 +33,11 @@ from workbench.extras.uncertainty.fragility import (
 )
 from workbench.extras.uncertainty.fragility_curve import LEVEL
 from workbench.extras.uncertainty.inputs import uncertain_from_text
-from workbench.extras.uncertainty.sample_runs import (
-    Finer,
-    Processes,
-    Setup,
-    on_finer_mesh,
-    ratio_at,
-)
+from workbench.extras.uncertainty.sample_runs import Finer, Setup, on_finer_mesh, ratio_at
 from workbench.models.base import on_one_mesh
 from workbench.models.registry import make_model
 from workbench.responses.provenance import provenance
+from workbench.study.batches import Processes
 
 KIND, FORMAT = "fragility", 2
 SAME, ROUND_OFF = 5e-4, 1e-6  # ln velocity of a run that is made again, and relative; absolute

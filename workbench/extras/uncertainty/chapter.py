@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from workbench.extras.uncertainty.exceedance import MEDIAN, half_widths
+from workbench.extras.uncertainty.scenario import UncertainImpact
 from workbench.report.page.formatting import duration, number
 from workbench.report.page.page import Page
 from workbench.report.page.tree import Block, Cell, Table
 from workbench.report.stored import Stored
 from workbench.responses import Response
-from workbench.scenarios import UncertainImpact
 from workbench.study.definition import Study
 
 _PARTS = ("samples", "references", "meshes")

@@ -27,9 +27,10 @@ import xarray as xr
 from workbench import __version__
 from workbench.base.errors import InputError, WorkbenchError, message_of
 from workbench.extras.uncertainty.inputs import UncertainScenario, uncertain_from_text
-from workbench.extras.uncertainty.sample_runs import Processes, sample_answers
+from workbench.extras.uncertainty.sample_runs import sample_answers
 from workbench.models.batch import FAILURE, OUTCOME, can_stack
 from workbench.responses import SCALARS
+from workbench.study.batches import Processes
 from workbench.study.cells import ingredients_of, key_of
 from workbench.study.executors import DaskCluster
 from workbench.study.store import UNREADABLE, read_netcdf, to_netcdf_bytes, write_atomically

@@ -19,11 +19,12 @@ from workbench.extras.uncertainty.critical_velocity import Limit
 from workbench.extras.uncertainty.fragility import fragility, survey
 from workbench.extras.uncertainty.fragility_curve import PROBABILITIES, Curve, reduced_curve
 from workbench.extras.uncertainty.inputs import uncertain_from_text
-from workbench.extras.uncertainty.sample_runs import Processes, Setup
+from workbench.extras.uncertainty.sample_runs import Setup
+from workbench.extras.uncertainty.scenario import UncertainImpact
 from workbench.models.base import Answering
 from workbench.models.registry import make_model
 from workbench.responses import Finding, Response, build_response
-from workbench.scenarios import UncertainImpact
+from workbench.study.batches import Processes
 
 MEDIAN = "velocity.at_50"
 

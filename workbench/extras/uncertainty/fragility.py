@@ -38,14 +38,13 @@ from workbench.extras.uncertainty.fragility_curve import (
 )
 from workbench.extras.uncertainty.sample_runs import (
     Finer,
-    Processes,
-    Run,
     Sampled,
     Setup,
     Target,
     on_finer_mesh,
     ratio_at,
 )
+from workbench.study.batches import Processes, Run
 
 SCRAMBLES, PILOT = 16, 64  # independent sequences of samples; samples before all others
 LOOKS = (12, 18, 27, 40, 60)  # references; the last look ends it

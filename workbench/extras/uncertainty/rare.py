@@ -18,8 +18,9 @@ from workbench.base.errors import InputError, WorkbenchError
 from workbench.extras.uncertainty.critical_velocity import COARSE, Limit
 from workbench.extras.uncertainty.fragility_curve import LEVEL
 from workbench.extras.uncertainty.inputs import UncertainScenario
-from workbench.extras.uncertainty.sample_runs import VELOCITY, Run, Sampled, Setup, numbers_at
+from workbench.extras.uncertainty.sample_runs import VELOCITY, Sampled, Setup, numbers_at
 from workbench.scenarios import column
+from workbench.study.batches import Run
 
 RANGE = (0.1, 10.0)  # velocities that are searched, over that of the scenario
 ASIDE, CLOSE, LONGEST = 0.5, 0.2, 3.0  # scores: of differences, of a point that stays, of a step

@@ -1,22 +1,16 @@
 """Runs of models by sample: tables of answers, and those that a fragility curve rests on."""
 
 import json
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import partial
 from math import exp, isfinite, log
-from multiprocessing import get_context
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from scipy.stats import t as student
-from threadpoolctl import threadpool_limits
 
 from workbench.base.arrays import Array, Indices
-from workbench.base.errors import WorkbenchError
 from workbench.base.fields import Number
 from workbench.extras.uncertainty.critical_velocity import (
     BEYOND,
@@ -34,19 +28,17 @@ from workbench.extras.uncertainty.critical_velocity import (
 )
 from workbench.extras.uncertainty.fragility_curve import LEVEL
 from workbench.extras.uncertainty.inputs import UncertainScenario
-from workbench.models.base import Model, on_one_mesh
-from workbench.models.batch import FAILURE, OUTCOME, can_stack, simulate_many
-from workbench.responses import SCALARS, Outcome, outcome_of
+from workbench.models.base import on_one_mesh
+from workbench.models.batch import OUTCOME
+from workbench.responses import Outcome, outcome_of
 from workbench.responses.uncertainty import WIDTHS
-from workbench.scenarios import Scenario
 from workbench.scenarios.column import DURATION
 from workbench.scenarios.varied import Path_, Varied
+from workbench.study.batches import Run, answers_by, answers_of
 from workbench.study.error_model.error_model import PEAK
-from workbench.study.executors import deaf_to_interrupts, end_with_parent
 from workbench.study.limit import LONGER
 
 MESH_LEVELS = 6  # of the runs on finer meshes
-CHUNK, PARTS = 256, 8  # scenarios that a process answers at a time, at most; times that it is asked
 VELOCITY: Path_ = ("striker", "velocity")
 RECORD: Path_ = ("time", "duration")
 
@@ -145,51 +137,6 @@ class Finer(NamedTuple):
         return float(widths.max() + spread / np.sqrt(len(parts))), float(shifts.mean())
 
 
-Run = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
-
-
-class Processes:
-    """Run a function over tasks in processes of one thread each; in this one if `jobs` is 1.
-
-    Results come in the order of the tasks. With `threads`, in those of this process instead. Raises
-    `WorkbenchError` if a process is stopped from outside.
-    """
-
-    def __init__(self, jobs: int, threads: bool = False) -> None:
-        self.jobs, self.threads = jobs, threads
-        self.pool: Executor | None = None
-
-    def __enter__(self) -> Run:
-        if self.jobs == 1:
-            return map
-        if self.threads:
-            self.pool = ThreadPoolExecutor(self.jobs)
-        else:
-            context = get_context("spawn")
-            self.pool = ProcessPoolExecutor(self.jobs, context, initializer=_one_thread)
-        return self._map
-
-    def _map(self, function: Callable[[Any], Any], tasks: Iterable[Any]) -> Iterator[Any]:
-        assert self.pool is not None
-        with deaf_to_interrupts():  # processes start with their first task
-            return self.pool.map(function, tasks)
-
-    def __exit__(self, kind: object, error: object, trace: object) -> None:
-        if self.pool is not None:
-            if error is not None:  # such as an interrupt: nobody waits for what is at work
-                for process in dict(getattr(self.pool, "_processes", None) or {}).values():
-                    process.kill()
-            self.pool.shutdown(cancel_futures=True)
-        if isinstance(error, BrokenProcessPool):
-            text = "a process was stopped from outside; is there memory for this many --jobs?"
-            raise WorkbenchError(text) from error
-
-
-def _one_thread() -> None:
-    end_with_parent()
-    threadpool_limits(1)
-
-
 def numbers_at(path: Path_, rule: Number, values: Iterable[Any]) -> Array:
     """Values (rows,) of a key as numbers in SI; texts of a discrete law say their unit."""
     name = ".".join(map(str, path))
@@ -252,29 +199,6 @@ class Sampled:
         ends = setup.search
         searches = [search(setup.limit, float(x), ends, close, stride) for x in starts]
         return in_step(searches, self.peaks_at)
-
-
-def answers_of(model: Model, varied: Varied, like: Scenario, jobs: int = 1) -> pd.DataFrame:
-    """Answers of a model by row, see `simulate_many`, in so many threads or else processes.
-
-    `like`, one of the scenarios.
-    """
-    with Processes(1 if len(varied) <= CHUNK else jobs) as run:
-        return answers_by(run, jobs, model, varied, like)
-
-
-def answers_by(run: Run, jobs: int, model: Model, varied: Varied, like: Scenario) -> pd.DataFrame:
-    """As `answers_of`, by the processes of a `run`; they only start where answers do not stack.
-
-    A few rows of superelements, which march beside each other, are not worth processes.
-    """
-    if can_stack(model, like) or (run is map and hasattr(model, "numbers")):
-        return simulate_many(model, varied, jobs)
-    size = min(CHUNK, max(1, len(varied) // (PARTS * jobs)))
-    parts = [varied[k : k + size] for k in range(0, len(varied), size)]
-    tables = run(partial(simulate_many, model, threads=1), parts)
-    whole: pd.DataFrame = pd.concat(tables, ignore_index=True)
-    return whole[[*(name for name in SCALARS if name in whole), OUTCOME, FAILURE]]
 
 
 def sample_answers(

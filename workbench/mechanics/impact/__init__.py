@@ -1,9 +1,8 @@
-"""The impact integrator, and its laboratory: schemes, complementarity, problems with known answers.
+"""The impact integrator and its contact law.
 
 `integrator` follows every model; `contact` and `pace` hold its law and constants; `records` reads.
 """
 
-from workbench.extras.laboratory.complementarity import Restitution as Restitution
 from workbench.mechanics.impact.contact import contact_loss as contact_loss
 from workbench.mechanics.impact.contact import explicit_percussion as explicit_percussion
 from workbench.mechanics.impact.contact import rebound as rebound

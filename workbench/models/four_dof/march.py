@@ -1,7 +1,7 @@
-"""The impacted column as the integrator of `workbench.mechanics.impact` takes it (Heng 2017, chapter 3).
+"""The impacted column as the impact integrator takes it (Heng 2017, chapter 3).
 
 The impact mass m1 moves with v1 and u1, the head mass m2 (may be zero) with u2; beta1 is massless.
-Steps hold the error of the displacement, see `workbench.mechanics.impact.pace`; and hinges that flow, whose
+Steps hold the error of the displacement, see `impact.pace`; and hinges that flow, whose
 forces are those at the end of a step (backward Euler), may flow by no more than `flow` times their
 elastic deformation at yielding. Axial vibrations of the masses are not resolved: the midpoint rule
 keeps their energy at any step.

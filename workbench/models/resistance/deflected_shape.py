@@ -12,15 +12,20 @@ load. Hinges form one after the other; each stage has its own shape. Elements be
 exact: cubics, and the quartic of a line load.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from workbench.base.arrays import Array
+from workbench.base.fields import Choice
 from workbench.scenarios import Column
 
 _POINT, _WEIGHT = np.polynomial.legendre.leggauss(5)  # exact up to the ninth degree
 _POINT, _WEIGHT = 0.5 * (1.0 + _POINT), 0.5 * _WEIGHT
+NONE, LINEAR, SECTION = "none", "linear", "section"
+AXIAL = Choice((NONE, LINEAR, SECTION))
+AXIAL_HELP = "how the axial load lowers M_p: linear, M_p (1 - n), or by the envelope of the section"
 _TOGETHER = 1e-9  # hinges that yield within this share of a load yield at once
 
 
@@ -214,3 +219,26 @@ def beam_of(column: Column, uniform: bool = False) -> Beam:
         (0.0 if uniform else 1.0,),
         column.steel.elastic_modulus * column.properties.second_moment,
     )
+
+
+def plastic_moment(column: Column, axial: str) -> float:
+    """Plastic moment (N m) of the column beside its axial load, held as it is before the hit.
+
+    `axial`: none, M_p; linear, M_p (1 - n); section, of the exact plastic envelope.
+    """
+    properties = column.properties
+    share = abs(column.axial_load) / properties.squash_load
+    if axial == SECTION:
+        left = float(np.interp(share, *column.strength_section.interaction_envelope()))
+    else:
+        left = 1.0 - share if axial == LINEAR else 1.0
+    return properties.plastic_moment * left
+
+
+@lru_cache(maxsize=256)
+def stages_of(column: Column, axial: str = SECTION, uniform: bool = False) -> tuple[Stage, ...]:
+    """Stages of a column under a force at its hit point, or under a `uniform` line load.
+
+    `axial`, see `plastic_moment`.
+    """
+    return beam_of(column, uniform).stages(np.full(3, plastic_moment(column, axial)))

@@ -247,7 +247,7 @@ def at_rest(drive, pieces):
 def impact(pieces, drive, progress, records):
     """Follow an impact: (status, rows).
 
-    Arguments: `pieces` of the resistance; `drive`, `progress` and `records` of `workbench.mechanics.impact`,
+    Arguments: `pieces` of the resistance; `drive`, `progress` and `records` of `mechanics.impact`,
     the drive with elastic limit (m), displacement of collapse (m), impact mass (kg), dead force (N)
     and displacement under it (m), from which those of the records count.
     """

@@ -1,26 +1,18 @@
-"""Charts that verbs draw: pulses on logarithmic axes, a sweep, a fragility curve."""
+"""Charts that verbs draw: pulses on logarithmic axes, a sweep."""
 
 from collections.abc import Mapping, Sequence
-from math import isinf
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 
-from workbench.base.arrays import Array
 from workbench.base.errors import InputError
 from workbench.report.drawing.sheet import Drawing, Sheet, canvas_of
-from workbench.report.drawing.style import INTERVAL, MUTED, Style, entry, logarithmic, numbered
+from workbench.report.drawing.style import MUTED, Style, entry, logarithmic, numbered
 from workbench.report.page.formatting import axis_label, unit_of
 from workbench.study.assessment.budget import PEAK
 
-if TYPE_CHECKING:
-    from workbench.extras.uncertainty.fragility import Fragility
-
 _MOST_LINES = 10  # told apart by their colours and dashes
-VELOCITY = "impact velocity (m/s)"
 _HIGH, _WIDE = 3.6, 4.6  # inches
 _ASYMPTOTE: Style = {"color": MUTED, "linewidth": 0.6, "linestyle": ":"}
 
@@ -85,42 +77,3 @@ def _sweep(lines: xr.DataArray, key: str, others: Sequence[str]) -> Drawing:
     of = lines[key].attrs.get("units", "")
     sheet.panel.set(xlabel=f"{key} ({of})" if of else key, ylabel=axis_label(PEAK))
     return sheet.finish(f"peaks over {key}")
-
-
-def exceedance(panel: Axes, velocity: Array, edges: Sequence[Array], look: Style) -> None:
-    """Draw a fragility curve, the middle one of the `edges` of its band, over velocity (m/s)."""
-    low, median, high = edges
-    panel.fill_between(velocity, low, high, **{**INTERVAL, "color": look["color"]})
-    panel.plot(velocity, median, **look)
-
-
-def fragility_chart(results: Mapping[str, "Fragility"]) -> Canvas:
-    """Fragility curves with their bands by what is given; a single one beside its reduced model."""
-    return canvas_of(_fragility, results)
-
-
-def _fragility(results: Mapping[str, "Fragility"]) -> Drawing:
-    sheet = Sheet.table(1, 1, _HIGH, width=5.2)
-    panel = sheet.panel
-    alone: Style = {"color": MUTED, "linestyle": "--", "linewidth": 1.0}
-    setup = next(iter(results.values())).setup
-    band = entry("90 %: samples, model, reference", **{**INTERVAL, "linewidth": 6.0})
-    firsts, lasts = [], []
-    for i, (given, result) in enumerate(results.items()):
-        curve, look = result.curve, numbered(i).curve()
-        velocity = np.exp(curve.log_velocity)
-        exceedance(panel, velocity, (curve.low, curve.median, curve.high), look)
-        corrected = f"{setup.reduced.name}, corrected by {setup.reference.name}"
-        sheet.legend(entry(given or corrected, **look))
-        edges = {"low": curve.low, "median": curve.median, "high": curve.high}
-        sheet.record(given=given, velocity=velocity, **edges)
-        firsts.append(velocity[0])
-        lasts.append(velocity[-1])
-        if len(results) == 1:
-            panel.plot(velocity, result.reduced_curve, **alone)
-            sheet.legend(band, entry(f"{setup.reduced.name} alone", **alone))
-    of = "collapse" if isinf(setup.limit.displacement) else f"exceeding {setup.limit}"
-    ends = max(min(firsts), setup.ends[0]), min(max(lasts), setup.ends[1])
-    panel.set(xlim=ends, ylim=(0.0, 1.0))
-    panel.set(xlabel=VELOCITY, ylabel=f"probability of {of}")
-    return sheet.finish(f"probability of {of} over the impact velocity")

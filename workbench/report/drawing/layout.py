@@ -9,18 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from workbench.extras.uncertainty.inputs import uncertain_from_text
 from workbench.report.page.formatting import Unit, unit_of
-from workbench.scenarios import (
-    Frame,
-    FrameScenario,
-    ImpactProblem,
-    Member,
-    Scenario,
-    StudTests,
-    UncertainImpact,
-    frame_scenario,
-)
+from workbench.scenarios import Frame, FrameScenario, Member, Scenario, frame_scenario
 
 _LEAST_DEPTH = 0.035  # inches that a member takes at least, so that it can be seen
 _WIDE, _HIGH, _UPRIGHT = 4.2, 2.9, 2.4  # inches that a frame, and a single column, may take
@@ -124,13 +114,12 @@ class Layout:
 def frame_scenario_of(scenario: Scenario) -> FrameScenario | None:
     """Return the frame scenario; a column becomes its two-member frame. None without a frame.
 
-    Of uncertain inputs it has the medians.
+    A scenario that is no single event, such as one with uncertain inputs, may have a `structure`.
     """
-    if isinstance(scenario, StudTests | ImpactProblem):
-        return None
-    if isinstance(scenario, UncertainImpact):
-        return frame_scenario_of(uncertain_from_text(scenario.text).base)
-    return frame_scenario(scenario)
+    if scenario.STATIC is not None:
+        return frame_scenario(scenario)
+    structure = getattr(scenario, "structure", None)
+    return None if structure is None else frame_scenario_of(structure)
 
 
 def displacement_unit(scenario: FrameScenario) -> Unit:

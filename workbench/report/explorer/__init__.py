@@ -34,7 +34,7 @@ from workbench.report.page.documents import STYLE, templates
 from workbench.report.page.formatting import count
 from workbench.report.page.tree import Callout
 from workbench.report.stored import CellState, Stored
-from workbench.scenarios import FrameImpact, UncertainImpact
+from workbench.scenarios import FrameImpact
 from workbench.study.definition import Case, Study
 from workbench.study.matrix import ALL, against_governing
 from workbench.study.tables import rows_of
@@ -55,7 +55,7 @@ def explorer(study: Study, stored: Stored, largest: int = LARGEST) -> str | None
     `largest`, bytes that the page may take: curves are thinned until they fit, or are as rough as
     they may be. Equal stores give equal text.
     """
-    uncertain = any(isinstance(case.scenario, UncertainImpact) for case in study.cases)
+    uncertain = any(hasattr(case.scenario, "structure") for case in study.cases)
     plane = FRAGILITIES if uncertain else HISTORIES
     cases = tuple(_cases(study, stored, plane))
     if not any(cell.record for case in cases for cell in case.answers):

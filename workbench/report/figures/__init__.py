@@ -1,6 +1,7 @@
 """The figures of a report: functions that draw a `Request`, by kind.
 
-A new kind is one line here and its function. The kinds are known without the libraries that draw.
+A new kind is one line here and its function, or an entry point. The kinds are known without the
+libraries that draw.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from workbench.base.fields import Choice
+from workbench.base.offered import companion, offered
 
 if TYPE_CHECKING:
     from workbench.report.drawing.sheet import Drawing, Request
@@ -22,13 +24,11 @@ KINDS = {
     "deformed": "deformed.draw",
     "domain-map": "maps.domain_map",
     "energy": "curves.energy",
-    "exceedance": "curves.exceedance_bands",
     "force-displacement": "curves.force_displacement",
     "history": "curves.history",
     "interaction": "interaction.draw",
     "meshes": "refinement.meshes",
     "peaks": "values.peaks",
-    "place": "curves.place",
     "shear-domain": "surfaces.shear_domain",
     "shear-surfaces": "surfaces.shear",
     "structure": "structure.draw",
@@ -48,12 +48,17 @@ KINDS = {
 
 def check_kind(kind: str) -> None:
     """Refuse a kind of figure that nothing draws. Raises `InputError`."""
-    Choice(tuple(KINDS)).check("figure.kind", kind)
+    if kind not in KINDS:
+        others = tuple(point.name for point in offered("figures"))
+        Choice((*KINDS, *others)).check("figure.kind", kind)
 
 
 def plot_of(kind: str) -> Callable[..., Drawing]:
     """The function that draws a kind of figure. Raises `InputError` for an unknown one."""
     check_kind(kind)
+    if kind not in KINDS:
+        companion_plot: Callable[..., Drawing] = companion("figures", kind)
+        return companion_plot
     module, name = KINDS[kind].split(".")
     plot: Callable[..., Drawing] = getattr(importlib.import_module(f"{__name__}.{module}"), name)
     return plot

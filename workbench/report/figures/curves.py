@@ -3,9 +3,6 @@
 ``history``, options: `quantity` (a history; `impulse` stands for the percussions summed up),
 `hinge` (a name, for quantities that belong to hinges), `cases`.
 ``force-displacement``, options: `quantity` (``force``, the default, or ``load_factor``), `cases`.
-``exceedance``: probability over velocity with its band, one panel per case, named with its limit.
-Option: `cases`.
-``place``: the last unknown of an integrator's problem and the exact one.
 ``energy``: the ledger of one impact, one panel per label. Option: `case` (default the first that
 has a ledger).
 """
@@ -17,7 +14,6 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from workbench.base.fields import Choice
-from workbench.report.drawing.charts import VELOCITY, exceedance
 from workbench.report.drawing.layout import displacement_unit
 from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, evenly, nothing, thinned
 from workbench.report.drawing.style import INK, MUTED, Style, entry
@@ -30,7 +26,6 @@ _PEAKS = {"displacement": ("peak_displacement", "time_of_peak")}
 _TIME = unit_of("time").factor
 _QUANTITY = Choice(("force", "load_factor"))
 _LOOPS = 0.8  # width of a line that turns back, over that of one that does not
-_EXACT: Style = {"color": INK, "linewidth": 2.2, "alpha": 0.25}
 # bottom to top; fixed colours that no label uses as a fill
 PARTS = (
     ("dissipated", "dissipated (plastic, algorithmic)", "#8c510a"),
@@ -163,53 +158,6 @@ def _axes(case: Case, quantity: str) -> tuple[tuple[Unit, str], tuple[Unit, str]
         if quantity == "force" and not any(load.x or load.y for load in scenario.loads):
             return across, (unit_of("moment"), "moment")
     return across, (unit_of(quantity), title_of(quantity))
-
-
-def exceedance_bands(request: Request) -> Drawing:
-    """Fragility curves of all labels, each with its band."""
-    sheet, panels = request.case_panels(sharey=True)
-    for case, panel in panels:
-        answers = request.answers(case, sheet.absent, ("curve.median",), "fragility curve")
-        for label, response in answers.items():
-            velocity, *edges = (
-                response[f"curve.{name}"].to_numpy()
-                for name in ("velocity", "low", "median", "high")
-            )
-            look = request.looks[label].curve()
-            exceedance(panel, velocity, edges, look)
-            sheet.legend(entry(label, **look))
-            columns = dict(zip(("low", "median", "high"), edges, strict=True))
-            sheet.record(case=case.name, label=label, velocity_SI=velocity, **columns)
-        panel.set_ylim(0.0, 1.0)
-        beyond = getattr(case.scenario, "displacement", None)
-        limit = "collapse" if beyond is None else f"{beyond:g} m"
-        title = case.name if limit in case.name else f"{case.name}: {limit}"
-        sheet.name(panel, title, VELOCITY, "probability of exceedance")
-    empty = "No model answered with a fragility curve."
-    return sheet.finish("probability of exceedance over the impact velocity", empty=empty)
-
-
-def place(request: Request) -> Drawing:
-    """Places in time of integrators; what leaves the frame of the exact answer is cut."""
-    sheet, panels = request.case_panels()
-    needed = {"record.place", "record.exact"}
-    for case, panel in panels:
-        exact = np.zeros(1)
-        for label, response in request.answers(case, sheet.absent, needed, "a record").items():
-            time, values = response["time"].values, response["record.place"].values
-            exact = response["record.exact"].values
-            panel.plot(time, exact, **_EXACT, zorder=0)
-            panel.plot(time, values, **request.looks[label].curve(linewidth=0.8))
-            sheet.record(case=case.name, label=label, time=time, place=values)
-        low, high = float(exact.min()), float(exact.max())
-        margin = 0.6 * max(high - low, 1e-12)
-        panel.set_ylim(low - 0.25 * margin, high + margin)
-        panel.margins(x=0.0)
-        sheet.name(panel, case.name, "time (s)", "place (m)")
-    sheet.legend(entry("exact", **_EXACT))
-    sheet.legend(*(entry(label, **request.looks[label].curve()) for label in request.labels))
-    empty = "No integrator has answered a problem."
-    return sheet.finish("places of the last unknown in time, a panel per problem", empty=empty)
 
 
 def energy(request: Request) -> Drawing:

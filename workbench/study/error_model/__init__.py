@@ -1,5 +1,1 @@
-"""Data with provenance: the catalogue, and published numbers as a model."""
-
-from workbench.base.catalogue import Dataset, check, dataset, datasets, load
-
-__all__ = ["Dataset", "check", "dataset", "datasets", "load"]
+"""Error model: measured errors of models, what they depend on, and the advice that follows."""

@@ -6,10 +6,10 @@ from math import pi, sqrt
 from typing import Any
 
 from workbench.base.errors import OutOfDomainError
-from workbench.extras.practice.biggs import Biggs
 from workbench.mechanics.frames.column_estimate import column_like
 from workbench.models.domain import shear_demand
 from workbench.models.hit_mass import elastic_energy, front_velocity
+from workbench.models.resistance.deflected_shape import stages_of
 from workbench.models.strain_rate import rate_factor, stronger
 from workbench.scenarios import ColumnImpact, FrameImpact, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
@@ -93,7 +93,7 @@ def pulse_features(scenario: MemberPulse) -> dict[str, float]:
     column, pulse, uniform = scenario.column, scenario.pulse, scenario.load == UNIFORM
     if pulse.shape not in DRAWN_SHAPES:
         raise OutOfDomainError(f"pulses of the shape {pulse.shape} were not drawn")
-    elastic, *_, mechanism = Biggs().stages(column, uniform)
+    elastic, *_, mechanism = stages_of(column, uniform=uniform)
     mass = elastic.load_mass_factor * column.properties.mass_per_length * column.length
     period = 2.0 * pi * sqrt(mass / elastic.stiffness)
     force = pulse.peak * scenario.whole

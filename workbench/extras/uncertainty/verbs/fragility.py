@@ -117,7 +117,7 @@ def fragility(
     if target is not None:
         write_atomically(target, json.dumps(content, indent=1, allow_nan=False).encode())
     if picture is not None:
-        from workbench.report.drawing.charts import fragility_chart
+        from workbench.extras.uncertainty.figures import fragility_chart
         from workbench.report.gallery import save
 
         save(fragility_chart(results), picture)

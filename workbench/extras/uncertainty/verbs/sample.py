@@ -255,8 +255,8 @@ def rare(
     from workbench.base.fields import Number
     from workbench.extras.uncertainty.critical_velocity import limit_of
     from workbench.extras.uncertainty.rare import Struck, rare_probability
-    from workbench.extras.uncertainty.sample_runs import Processes
     from workbench.models.registry import make_model
+    from workbench.study.batches import Processes
 
     Number(0.01, 1.0).check("--cov", cov)
     Number(2000, MOST, integer=True).check("--runs", runs)

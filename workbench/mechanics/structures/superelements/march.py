@@ -1,4 +1,4 @@
-"""Superelements as the integrator of `workbench.mechanics.impact` takes them, and the march from Python."""
+"""Superelements as the impact integrator takes them, and the march from Python."""
 
 from collections.abc import Iterator
 from typing import Any, NamedTuple

@@ -1,8 +1,4 @@
-"""Scenarios without a structure of their own.
-
-Tests on studs, impact problems with known answers, and impacts whose inputs are uncertain, which
-hold the lines of another scenario.
-"""
+"""Tests on studs as a scenario: tables, campaigns and what models are to answer."""
 
 import hashlib
 from dataclasses import dataclass
@@ -16,10 +12,6 @@ from workbench.base.tables import FILES
 
 ASKED = ("strength", "load-slip", "interaction", "residual-strength", "residual-stiffness")
 NAMES = Many(Text(), different=True)
-PROBLEMS = (
-    *("ball", "ball-lively", "ball-elastic", "table", "two-masses", "cradle", "oscillator"),
-    *("grazing", "bar", "soft-impact", "soft-impact-plastic", "duffing", "column", "frame"),
-)
 
 
 @dataclass(frozen=True)
@@ -78,45 +70,3 @@ class StudTests(Declared, table="tests"):
 def _digest(path: Path) -> str:
     with open_input(path, "tests.tables") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()[:16]
-
-
-@dataclass(frozen=True)
-class ImpactProblem(Declared, table="impact"):
-    """A problem of `workbench.extras.laboratory.problems`, or a struck column or frame."""
-
-    name: str = checked(Text(), path="name")
-    problem: str = checked(Choice(PROBLEMS))
-
-    KIND: ClassVar[str] = "impact-problem"
-    STATIC: ClassVar[bool | None] = None  # no structure, and no peak to compare
-
-
-@dataclass(frozen=True)
-class UncertainImpact(Declared, table="exceedance"):
-    """An impact with distributions in place of numbers, over a range of velocities.
-
-    Raises `InputError`.
-    """
-
-    name: str = checked(Text(), path="name")
-    impact: tuple[str, ...] = checked(
-        Many(Text(2000, shortest=0)), help="lines of a scenario file that has distributions"
-    )
-    low: float = checked(Number(0.01, 500.0, "m/s"), help="first impact velocity")
-    high: float = checked(Number(0.01, 500.0, "m/s"), help="last impact velocity")
-    displacement: float | None = checked(
-        Number(1e-6, 100.0, "m"), optional=True, help="that is exceeded; without it, collapse"
-    )
-
-    KIND: ClassVar[str] = "uncertain-impact"
-    STATIC: ClassVar[bool | None] = None  # one number of a distribution, no peak to compare
-
-    def check(self) -> None:
-        """Refuse a range that does not rise."""
-        if not self.low < self.high:
-            raise self.refusal("high", f"must be above {self.low:g} m/s, the first velocity")
-
-    @property
-    def text(self) -> str:
-        """The impact as a scenario file has it."""
-        return "\n".join(self.impact)
