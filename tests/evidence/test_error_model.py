@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from workbench.study.error_model import error_model
 from workbench.base.errors import Collapse, CollapseError, Mechanism
 from workbench.cli import run
 from workbench.models.references.fiber_shear import FiberShear
@@ -23,6 +22,7 @@ from workbench.responses import Outcome, build_response, collapsed_response, fai
 from workbench.scenarios import ColumnImpact, scenario_from
 from workbench.steel.materials import CowperSymonds
 from workbench.study import Case, Study
+from workbench.study.error_model import error_model
 from workbench.study.error_model.descriptors import FACTOR
 from workbench.study.error_model.error_model import (
     anchor_peak,

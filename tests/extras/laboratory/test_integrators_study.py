@@ -12,14 +12,13 @@ from workbench.base.errors import InputError
 from workbench.extras.laboratory.impact_systems import PROBLEMS as STRUCTURES
 from workbench.extras.laboratory.models import ImpactExact, ImpactIntegrator
 from workbench.extras.laboratory.problems import PROBLEMS as BUILT
-from workbench.extras.laboratory.scenario import ImpactProblem
+from workbench.extras.laboratory.scenario import PROBLEMS, ImpactProblem
 from workbench.report.build import document
 from workbench.report.gallery import draw_all
 from workbench.report.page.tree import Bullets, Table, walk
 from workbench.report.stored import Stored
 from workbench.responses import outcome_of
 from workbench.scenarios import scenario_from, to_toml
-from workbench.scenarios.stud_tests import PROBLEMS
 from workbench.study import Case, Figure, Study, run_study
 from workbench.study.assess import assess
 

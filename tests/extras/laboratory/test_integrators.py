@@ -359,7 +359,7 @@ def test_bad_names_get_one_clear_message() -> None:
 
 
 def test_the_figures_of_the_theory_page_are_those_that_its_script_draws() -> None:
-    folder = Path(__file__).parents[2] / "docs" / "theory" / "figures"
+    folder = Path(__file__).parents[3] / "docs" / "theory" / "figures"
     drawn = runpy.run_path(str(folder / "integrators.py"))["FIGURES"]
     page = (folder.parent / "integrators.md").read_text(encoding="utf-8")
     for name, draw in drawn.items():

@@ -25,7 +25,7 @@ from workbench.study import Study, load_study, run_study
 from workbench.study.assess import Assessment, assess
 from workbench.study.tables import rows_of
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 FILE = ROOT / "studies" / "impact_tests.py"
 KEPT = ("SYNTHETIC rows", "tests", "4-DOF", "energy estimate")
 MARK = "SYNTHETIC, no tests: "

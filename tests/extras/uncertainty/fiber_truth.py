@@ -1,6 +1,6 @@
 """Measure `fiber_truth.csv`: critical velocities of 2048 samples by fibers, one run at each.
 
-    python tests/uncertainty/fiber_truth.py
+    python tests/extras/uncertainty/fiber_truth.py
 
 The column of study `fragility` that is hit at mid-height, limit 0.1 m, by `four-dof` and by
 `fiber-reissner` on a coarse mesh (refinement -1). Columns: normal scores of the uncertain inputs,
