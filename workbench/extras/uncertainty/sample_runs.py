@@ -60,7 +60,7 @@ class Target(NamedTuple):
 
 @dataclass(frozen=True)
 class Setup:
-    """What is asked: uncertain scenario, models, limit, ends of the range of velocities (m/s).
+    """Setup of the question: uncertain scenario, models, limit, ends of the velocities (m/s).
 
     `samples` in all; `seed`; `references` (None: looks at the band decide, up to `seconds`);
     `meshes`, whether some of them are run on finer meshes too.
@@ -211,7 +211,7 @@ class Sampled:
 
     @classmethod
     def of(cls, setup: Setup, scores: Array, run: Run) -> "Sampled":
-        """Those of normal scores (samples, inputs), asked by the reduced model."""
+        """Samples of normal scores (samples, inputs), answered by the reduced model."""
         uncertain = setup.uncertain
         return cls(setup.reduced, uncertain.varied(scores), uncertain.base, run, setup.jobs)
 
@@ -264,7 +264,7 @@ def answers_of(model: Model, varied: Varied, like: Scenario, jobs: int = 1) -> p
 
 
 def answers_by(run: Run, jobs: int, model: Model, varied: Varied, like: Scenario) -> pd.DataFrame:
-    """As `answers_of`, by the processes of a `run`; they only start where answers do not stack.
+    """Answers as of `answers_of`, by the processes of a `run`, started where answers do not stack.
 
     A few rows of superelements, which march beside each other, are not worth processes.
     """
