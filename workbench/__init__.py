@@ -2,7 +2,7 @@
 
 ``import workbench as wb`` imports nothing heavy; the names below come in with their first use.
 They and the attributes of their results are public: within a minor version they keep their
-arguments and their meaning. Everything else may move; docs/user-guide.md, "From Python".
+arguments and their meaning. Everything else may move; docs/guide/python.md.
 """
 
 from importlib import import_module

@@ -45,7 +45,7 @@ def check_model(
 def problems_of(
     model: Model, scenarios: Sequence[Scenario], energy_tolerance: float = ENERGY_TOLERANCE
 ) -> list[str]:
-    """What a model does not keep of the contract, one sentence each (empty: it conforms)."""
+    """Problems of a model with the contract, one sentence each (empty: it conforms)."""
     problems = list(_declaration(model))
     if problems:
         return problems

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import re
 import runpy
 import shlex
 import textwrap
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import matplotlib.pyplot as plt
 import pytest
@@ -19,6 +19,7 @@ from workbench.report.gallery import to_svg
 from workbench.scenarios import Column, ColumnImpact, Striker
 
 DOCS = Path(__file__).parents[2] / "docs"
+GLOBBED = ("guide", "reference", "theory", "decisions")
 CELL = re.compile(r"^```\{code-cell\}[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 
@@ -58,7 +59,8 @@ def test_what_a_column_gives_is_there() -> None:
             eval(each if known else f"{parent}.{each.lstrip('.')}", dict(names))
 
 
-COMMAND = re.compile(r"^    (workbench .+)$", re.MULTILINE)
+# a command of a page, or lines that the commands before it print
+STEP = re.compile(r"^    (workbench [^\n]+)$|^```text\n(.*?)^```", re.MULTILINE | re.DOTALL)
 # commands that take more than some seconds, or that never end: the first only with --run-slow
 LONG = ("fragility", "verify", "rare", "sensitivity", "sample", "limit")
 LONG += ("run", "report", "validate", "status", "gather")
@@ -66,22 +68,27 @@ ENDLESS = ("serve",)
 PLACEHOLDERS = {"STUDY": "studies/mine.py", "FILE": "scenario.toml"}
 PREPARED = {  # files that a page speaks of before, or without, a command that makes them
     "scenario.toml": "new column",
-    "blast.toml": "new pulse",
+    "uncertain.toml": "new uncertain",
     "studies/mine.py": "new study",
 }
+GUIDE = sorted(path.relative_to(DOCS.parent).as_posix() for path in (DOCS / "guide").glob("*.md"))
 
 
 def plain(text: str) -> str:
-    """Text with plain spaces between numbers and units."""
-    return text.replace("\N{NO-BREAK SPACE}", " ")
+    """Text with single plain spaces."""
+    return " ".join(text.split())
 
 
-def commands_of(page: str) -> list[list[str]]:
-    """Arguments of all commands that a page shows, in their order."""
-    shown = (re.split(r"\s#\s", line)[0] for line in COMMAND.findall(page))
-    calls = [call.strip() for line in shown for call in line.split("&&")]
-    words = [shlex.split(call)[1:] for call in calls if ":" not in call.split()[0]]
-    return [[PLACEHOLDERS.get(word, word) for word in each] for each in words]
+def steps_of(page: str) -> list[tuple[list[str], list[str]]]:
+    """Commands that a page shows, each with the lines that it says they print by then."""
+    steps: list[tuple[list[str], list[str]]] = []
+    for command, printed in STEP.findall(page):
+        if printed:
+            steps[-1][1].extend(printed.splitlines())
+        calls = re.split(r"\s#\s", command)[0].split("&&")
+        words = [shlex.split(call)[1:] for call in calls if call and ":" not in call.split()[0]]
+        steps += [([PLACEHOLDERS.get(word, word) for word in each], []) for each in words if each]
+    return [(words, lines) for words, lines in steps if not words[0].endswith(":")]
 
 
 def blocks_of(page: str) -> list[str]:
@@ -107,17 +114,19 @@ def prepare(folder: Path, page: str, capsys: pytest.CaptureFixture[str]) -> None
                 (folder / name).write_text(block, encoding="utf-8")
 
 
+def runs_of(page: str) -> list[Any]:
+    """Parameters of the run of a page: without its long commands, and slowly with them."""
+    steps = steps_of((DOCS.parent / page).read_text(encoding="utf-8"))
+    is_long = any(words[0] in LONG for words, _ in steps)
+    slow = [pytest.param(page, True, marks=pytest.mark.slow)]
+    return [(page, False), *slow * is_long] if steps else []
+
+
 @pytest.mark.parametrize(
     ("page", "long"),
-    [
-        ("README.md", False),
-        ("docs/user-guide.md", False),
-        ("docs/tutorial.md", True),
-        pytest.param("README.md", True, marks=pytest.mark.slow),
-        pytest.param("docs/user-guide.md", True, marks=pytest.mark.slow),
-    ],
+    [("docs/tutorial.md", True), *(run for page in ("README.md", *GUIDE) for run in runs_of(page))],
 )
-def test_commands_of_a_page_run(
+def test_commands_of_a_page_run_and_print_what_it_says(
     page: str,
     long: bool,
     tmp_path: Path,
@@ -127,20 +136,40 @@ def test_commands_of_a_page_run(
     monkeypatch.chdir(tmp_path)
     text = (DOCS.parent / page).read_text(encoding="utf-8")
     prepare(tmp_path, text, capsys)
-    calls = commands_of(text)
-    assert len(calls) > 8
-    for words in calls:
+    printed, whole = "", True
+    for words, lines in steps_of(text):
         if words[0] in ENDLESS:
             words = [words[0], "--help"]
-        elif words[0] in LONG and not long:
-            continue
-        arguments, _, target = " ".join(words).partition(" > ")
-        if target:
-            words = arguments.split()
-        capsys.readouterr()
-        assert run(words) == 0, (words, capsys.readouterr().err)
-        if target and not (tmp_path / target).exists():
-            (tmp_path / target).write_text(capsys.readouterr().out, encoding="utf-8")
+        if words[0] in LONG and not long:
+            whole = False
+        else:
+            arguments, _, target = " ".join(words).partition(" > ")
+            capsys.readouterr()
+            status = run(arguments.split() if target else words)
+            output = capsys.readouterr()
+            assert status == 0, (words, output.err)
+            if target and not (tmp_path / target).exists():
+                (tmp_path / target).write_text(output.out, encoding="utf-8")
+            printed += output.out
+        if lines:
+            for line in lines if whole else ():
+                assert plain(line) in plain(printed)
+            printed, whole = "", True
+
+
+@pytest.mark.parametrize("page", GUIDE)
+def test_a_page_of_the_guide_is_short(page: str) -> None:
+    text = (DOCS.parent / page).read_text(encoding="utf-8")
+    assert len(text.split()) <= 900
+    for name in re.findall(r"\]\(([^):#]+)(?:#[^)]*)?\)", text):
+        assert (DOCS / "guide" / name).exists(), name
+
+
+def test_reference_pages_are_those_of_the_declarations() -> None:
+    folder = DOCS / "reference"
+    for name, page in runpy.run_path(str(folder / "generate.py"))["PAGES"].items():
+        written = (folder / f"{name}.md").read_text(encoding="utf-8")
+        assert written == page(), "run: python docs/reference/generate.py"
 
 
 def test_the_python_of_the_readme_prints_what_it_says(
@@ -162,30 +191,13 @@ def test_the_python_of_the_readme_prints_what_it_says(
     assert plain(response.workbench.headline).startswith(answer)
 
 
-def test_numbers_of_the_guide_are_those_of_its_commands(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    guide = (DOCS / "user-guide.md").read_text(encoding="utf-8")
-    assert run(["new", "column"]) == 0
-    Path("scenario.toml").write_text(capsys.readouterr().out, encoding="utf-8")
-    assert run(["simulate", "scenario.toml", "--json"]) == 0
-    headline = plain(json.loads(capsys.readouterr().out)["headline"])
-    assert f'"{headline}"' in guide
-    page = (DOCS.parent / "README.md").read_text(encoding="utf-8")
-    column = next(block for block in blocks_of(page) if block.startswith("kind = "))
-    Path("readme.toml").write_text(column, encoding="utf-8")
-    (printed,) = re.findall(r"`([\d.]+ ± [\d.]+ mm) \(numerical\)`", guide)
-    assert run(["simulate", "readme.toml", "--model", "fiber-reissner"]) == 0
-    assert printed in plain(capsys.readouterr().out)
-
-
 def test_every_page_stands_in_the_site() -> None:
     index = (DOCS / "index.md").read_text(encoding="utf-8")
     pages = {path.relative_to(DOCS).with_suffix("").as_posix() for path in DOCS.rglob("*.md")}
     listed = set(re.findall(r"^([\w/-]+)$", index, re.MULTILINE))
-    globbed = {page for page in pages if page.partition("/")[0] in ("theory", "decisions")}
-    assert pages - globbed - {"index"} == listed - {"toctree"}
+    globbed = {page for page in pages if page.partition("/")[0] in GLOBBED and "/" in page}
+    assert pages - globbed - {"index"} == listed - {"toctree", "guide/index"}
+    assert all(f"\n{folder}/*\n" in index for folder in GLOBBED)
 
 
 def test_pages_of_theory_show_the_figures_that_their_script_draws() -> None:

@@ -21,7 +21,7 @@ from workbench.responses import Finding, Outcome
 from workbench.steel.sections import find
 
 ROOT = Path(wb.__file__).parent
-PAGES, BEGIN = ("README.md", "docs/user-guide.md"), "    import workbench as wb"
+PAGES, BEGIN = ("README.md", "docs/guide/python.md"), "    import workbench as wb"
 
 
 @pytest.fixture(scope="module")

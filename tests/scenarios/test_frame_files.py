@@ -151,9 +151,9 @@ def test_the_thesis_frame_is_that_of_the_figure() -> None:
 
 
 def test_the_example_of_the_user_guide_can_be_read() -> None:
-    guide = Path(__file__).resolve().parents[2] / "docs" / "user-guide.md"
-    section = guide.read_text(encoding="utf-8").partition("## Frames")[2]
-    lines = section.partition("The regular form names")[0].splitlines()
+    guide = Path(__file__).resolve().parents[2] / "docs" / "guide" / "frames.md"
+    example = guide.read_text(encoding="utf-8").partition("scenario files](../reference")[2]
+    lines = example.partition("The regular form names")[0].splitlines()
     text = "\n".join(line[4:] for line in lines if line.startswith("    ") or not line)
     scenario = scenario_from(tomllib.loads(text))
     assert isinstance(scenario, FrameImpact)

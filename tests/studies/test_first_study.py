@@ -9,7 +9,7 @@ import workbench
 from workbench.scenarios import to_toml
 from workbench.study.error_model.advice import advise
 
-GUIDE = Path(workbench.__file__).parents[1] / "docs" / "user-guide.md"
+GUIDE = Path(workbench.__file__).parents[1] / "docs" / "guide" / "study.md"
 
 
 def test_its_models_are_inside_their_domain(thesis_impact, tmp_path: Path, monkeypatch) -> None:

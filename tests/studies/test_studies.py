@@ -88,7 +88,7 @@ def test_the_readme_says_of_the_flagship_what_its_summary_says() -> None:
 
 def test_the_study_of_the_guide_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     readme = (STUDIES.parent / "README.md").read_text(encoding="utf-8")
-    guide = (STUDIES.parent / "docs" / "user-guide.md").read_text(encoding="utf-8")
+    guide = (STUDIES.parent / "docs" / "guide" / "study.md").read_text(encoding="utf-8")
     scenario = indented(readme, '    kind = "column-impact"', "Blasts, frames,")
     (tmp_path / "scenario.toml").write_text(scenario, encoding="utf-8")
     text = indented(guide, "    from workbench.study.assessment import Gate", "Kinds of figures:")

@@ -251,12 +251,3 @@ def test_the_size_is_counted_where_it_is_not_known(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr("workbench.base.tables.LARGEST_FILE", 200)
     with pytest.raises(InputError, match="the file exceeds"):
         read_text(HEADER + "\n" + "\n".join([GOOD] * 10), TESTS)
-
-
-def test_the_documentation_lists_every_column() -> None:
-    page = Path(__file__).resolve().parents[2] / "docs" / "theory" / "studs-data.md"
-    text = page.read_text(encoding="utf-8")
-    for table in (TESTS, POINTS):
-        for column in table.columns:
-            assert f"| `{column.name}`" in text
-            assert f"| {column.meaning} |" in text

@@ -1,1 +1,1 @@
-"""What a person asks at a desk: one answer, several side by side, pictures of both, a study."""
+"""Desk of questions: one answer, several side by side, pictures of both, a study."""

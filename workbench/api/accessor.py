@@ -1,4 +1,4 @@
-"""What a response says of itself, ``response.workbench``, and its pictures: figures of reports.
+"""Accessor ``response.workbench``: a response in words, and its pictures, the figures of reports.
 
 A figure draws a study of one case that is kept in memory.
 """
@@ -201,7 +201,7 @@ class Answered:
 
     @cached_property
     def scenario(self) -> Scenario:
-        """What was asked."""
+        """Scenario that was answered."""
         return scenario_from(tomllib.loads(self._response.attrs["scenario"]))
 
     @property

@@ -62,7 +62,7 @@ def headline(response: Response) -> str:
 
 
 def fate_of(response: Response) -> str:
-    """What becomes of the structure, in words; empty where nothing is struck."""
+    """Fate of the structure, in words; empty where nothing is struck."""
     collapse, known = collapse_of(response), survives(response)
     if collapse is not None:
         return f"collapses: {collapse.mechanism} ({', '.join(collapse.parts)})"
@@ -200,7 +200,7 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
 
 
 def _notes(scenario: Scenario, has_force: bool) -> list[str]:
-    """What to know of an answer to a hit: a rigid vehicle, a contact force without an interval."""
+    """Notes on an answer to a hit: a rigid vehicle, a contact force without an interval."""
     striker = getattr(scenario, "striker", None)
     if striker is None:
         return []
@@ -218,7 +218,7 @@ def _longer(response: Response, scenario: Scenario) -> list[str]:
 
 
 def _parts(response: Response, scenario: Scenario) -> dict[str, Any]:
-    """What hinges and storeys have gone through, and which members are struck."""
+    """Extremes of hinges and storeys over the run, and the members that are struck."""
     hinges: dict[str, dict[str, Any]] = {}
     for name in ("axial_force", "moment", "plastic_rotation"):
         for table in [response[name]] if name in response else []:

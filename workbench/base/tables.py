@@ -85,7 +85,7 @@ class Cells(NamedTuple):
 
     @property
     def advice(self) -> str:
-        """What to do about a cell that is no number."""
+        """Advice on a cell that is no number."""
         rule = "the number alone: no unit, no words, no separators of thousands"
         word = "point" if self.decimal == "." else "comma"
         return f"write {rule}, and a decimal {word} as in this table, or tell --decimal"
@@ -174,7 +174,7 @@ def _rows(lines: list[str], name: str, sep: str) -> Lines:
 
 
 def _separator(lines: list[str], known: Known) -> str:
-    """What separates columns: with it a line names most columns, or most lines are as wide."""
+    """Separator of columns: with it a line names most columns, or most lines are as wide."""
     head = [line for line in lines[: 3 * _LOOKED_AT] if line.strip() and line[0] != COMMENT]
 
     def merit(sep: str) -> tuple[int, int, int]:

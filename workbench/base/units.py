@@ -82,7 +82,7 @@ def unknown_in(text: str) -> str:
 
 
 def _size(unit: str) -> Size | None:
-    """What a unit is in SI; None for one that is not known."""
+    """Size of a unit in SI; None for one that is not known."""
     value, powers = Fraction(1), [0, 0, 0]
     above, slash, below = unit.partition("/")
     for sign, product in ((1, above), (-1, below)):

@@ -1,4 +1,4 @@
-"""What verbs have in common: their options, ``--json``, text, files, the exit status."""
+"""Common ground of verbs: options, ``--json``, text, files, the exit status."""
 
 import functools
 import inspect
@@ -63,7 +63,7 @@ class InterruptedByUserError(Exception):
 
 
 class Answer(NamedTuple):
-    """What a verb found: the `content` of its JSON object, the same as `blocks`, its exit status.
+    """Result of a verb: the `content` of its JSON object, the same as `blocks`, its exit status.
 
     `blocks` may be a generator: it does no work where JSON is asked for. `files` were written, by
     what they are (None: not asked for).

@@ -247,7 +247,7 @@ def _in_si(over: str, value: Any, unit: str) -> float:
 
 
 def _meaning(limit: Limit, ends: tuple[float, ...], unit: str) -> str:
-    """What the bracket means, in one sentence."""
+    """Meaning of the bracket, in one sentence."""
     low, high = limit.survives_at, limit.collapses_at
     if high is None:
         text = f"no collapse up to {_text(ends[1], unit)}" if limit.settled else "no collapse found"

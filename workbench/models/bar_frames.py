@@ -90,7 +90,7 @@ class BarFrames(FrameModel):
         return findings
 
     def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
-        """As all; of a push also the yielding that it leaves out."""
+        """Run as in `FrameModel`; of a push also find the yielding that it leaves out."""
         response = super().run(scenario, structure)
         if scenario.STATIC and self.concentrated:
             set_findings(response, [*findings_of(response), *spread_findings(scenario, response)])

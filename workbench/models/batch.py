@@ -36,7 +36,7 @@ SURVIVES, UNKNOWN, COLLAPSES, LOST = range(4)  # codes of rows; of the last two 
 
 
 class Answers(NamedTuple):
-    """What a model makes of a stack: `codes` (n,), `scalars` (n,) by name, NaN where there is none.
+    """Answers to a stack: `codes` (n,), `scalars` (n,) by name, NaN where there is none.
 
     And how row i has collapsed, `collapse(i)`. Rows of code UNKNOWN are asked one by one.
     """
@@ -49,7 +49,7 @@ class Answers(NamedTuple):
     def of(
         cls, codes: Indices, scalars: dict[str, Array], collapse: Callable[[int], CollapseError]
     ) -> "Answers":
-        """Those of numbers that count only where the structure survives."""
+        """Answers by numbers that count only where the structure survives."""
         known = {name: np.where(codes == SURVIVES, each, np.nan) for name, each in scalars.items()}
         return cls(codes, known, collapse)
 

@@ -119,7 +119,7 @@ class ColumnOfFrame(Answering):
             raise self.refusal("restraint", text, f"take model = {RigidSuperelement.name}")
 
     def domain(self, scenario: FrameImpact) -> list[Finding]:
-        """What dead loads do to the frame, whether there is a column, and what it leaves out."""
+        """Findings on the dead loads of the frame, on its column, and on effects left out."""
         findings = [f for f in frame_findings(scenario) if f.subject != "shear"]
         try:
             estimate = self.estimate(scenario)

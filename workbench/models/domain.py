@@ -70,7 +70,7 @@ def _massless_findings(frame: Frame) -> list[Finding]:
 
 
 def _dead_load_findings(frame: Frame) -> list[Finding]:
-    """What the dead loads do to the elastic frame, springs and locks left out."""
+    """Findings on the elastic frame under its dead loads, springs and locks left out."""
     state = dead_load_state(frame)
     if state.factor is None:
         return [finding("mechanism-under-dead-loads")]
@@ -147,7 +147,7 @@ def shear_demand(scenario: ColumnScenario) -> dict[str, float]:
 
 
 def mechanism_demand(column: Column, *, uniform: bool = False) -> Mapping[str, float]:
-    """The same of a column under a `uniform` load, or a force at the hit point."""
+    """Demand of the mechanism of a column under a `uniform` load, or a force at the hit point."""
     name = f"demand of a {'line' if uniform else 'point'} load"
     if name not in column.kept:
         column.kept[name] = _demand(column, uniform)

@@ -60,7 +60,7 @@ def line_function(load: float) -> float:
 
 
 def thesis_springs(column: Column, factor: float) -> Springs:
-    """Those of c EI / l, c the `factor`; half of it at the hit point if the far end is pinned."""
+    """Springs c EI / l, c the `factor`; half of it at the hit point if the far end is pinned."""
     bending = factor * column.steel.elastic_modulus * column.properties.second_moment
     inf = float("inf")
     turned = [
@@ -73,7 +73,7 @@ def thesis_springs(column: Column, factor: float) -> Springs:
 def beam_springs(
     column: Column, shear_stiffness: float, sliding: bool = False, uniform: bool = False
 ) -> Springs:
-    """Those of the elastic column of the shear stiffness GA_v (N), or of each of a stack.
+    """Springs of the elastic column of the shear stiffness GA_v (N), or of each of a stack.
 
     `sliding`: its shear strain is not in the hinges but in the bars; `uniform`: under a line load
     instead of a force at the hit point. A load so near to buckling that it turns the sense of an

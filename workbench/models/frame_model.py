@@ -1,4 +1,4 @@
-"""What all models of frames share: runs, steps, drivers; a column is a frame of two members."""
+"""Model of frames, common parts: runs, steps, drivers; a column is a frame of two members."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
@@ -72,7 +72,7 @@ class Clock:
         self.seconds = 0.0
 
     def timed(self, steps: Iterator[Taken]) -> Iterator[Taken]:
-        """The same steps, on the clock."""
+        """Steps unchanged, timed by the clock."""
         while True:
             started = perf_counter()
             taken = next(steps, None)

@@ -1,4 +1,4 @@
-"""What limits hinges: catenary action, wear, plates that buckle, panels."""
+"""Limits of hinges: catenary action, wear, plates that buckle, panels."""
 
 from collections.abc import Mapping
 from dataclasses import replace

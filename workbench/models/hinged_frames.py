@@ -48,7 +48,7 @@ NO_MOMENT_LOST = 0.25  # of the squash load, tension of a run; EN 1993-1-1, 6.2.
 
 
 class Traits(NamedTuple):
-    """What models of plastic ends differ in.
+    """Differences between models of plastic ends.
 
     `interaction`, the rule of N and M; `second_order`, whether N bends a bar between its ends;
     `euler_share` of a pin-ended bar, below which elements keep its squash load (0: any); whether a
@@ -237,7 +237,7 @@ class PlasticHinge(BarHinges):
         return replace(end, rotation=rotation, softness=sway)
 
     def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
-        """As all; adds the least share of its strength that a hinge has left."""
+        """Run as in `FrameModel`; adds the least share of its strength that a hinge has left."""
         response = super().run(scenario, structure)
         if self.degradation != "none":
             left = cast(BarElements, structure.members.elements).strength_left

@@ -99,7 +99,7 @@ def step(s, progress, dt, may):
 
 @uncounted
 def accept(s, dt):
-    """What the step has moved."""
+    """Accept the trial state of the step."""
     one_mass.accept_trial(s, dt)
     now, new = s.states[0], s.states[1]
     now.x, now.contact, now.crushed = new.x, new.contact, new.crushed
@@ -107,7 +107,7 @@ def accept(s, dt):
 
 @uncounted
 def write(s, records, n):
-    """As of one mass, with the energy of the striker's spring."""
+    """Write a record of one mass, with the energy of the striker's spring."""
     one_mass.write(s, records, n)
     records[n].elastic += 0.5 * s.states[0].contact ** 2 / s.stiffness
 

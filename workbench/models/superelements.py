@@ -119,7 +119,7 @@ class _HingedBars(BarFrames):
         return self.yielding_web(frame, member) or self._ellipse(frame, member)
 
     def _ellipse(self, frame: Frame, member: Member) -> YieldSurface:
-        """That of a member which is rigid in shear."""
+        """Yield surface of a member which is rigid in shear."""
         properties = frame.properties(member)
         alpha, beta = fitted_exponents(frame.strength_section(member), decimals=1)
         exponents = self.alpha or alpha, self.beta or beta
@@ -130,14 +130,14 @@ class _HingedBars(BarFrames):
         return self._standing(scenario).fresh()
 
     def _standing(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
-        """The same, kept for many runs."""
+        """Structure under its dead loads for a scenario, kept for many runs."""
         event = as_frame(scenario)
         if event.STATIC:
             event = with_rate(event, None)
         return _standing(self, event.frame, tuple(self.parts(event)), isinstance(scenario, COLUMNS))
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
-        """As all; compiled steps leave the kept structure as it is."""
+        """Solve as in `FrameModel`; compiled steps leave the kept structure as it is."""
         if isinstance(as_frame(scenario), FrameImpact) and self.integrator == MIDPOINT:
             return self.run(as_frame(scenario), self._standing(scenario))
         return super().solve(scenario)
@@ -222,7 +222,7 @@ class _HingedBars(BarFrames):
         return Pace(duration, first, longest, error, vibration, flow, spacing, MOST_STEPS)
 
     def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
-        """As all; anew where the peak came in long steps."""
+        """Run an impact, as in `FrameModel`; anew where the peak came in long steps."""
         if self.integrator != MIDPOINT:
             return super()._struck(scenario, structure, clock)
         pace, largest = self.pace(scenario), self.largest_error
@@ -257,7 +257,7 @@ def _standing(
 
 @lru_cache(maxsize=64)
 def _about_webs(model: _HingedBars, frame: Frame) -> tuple[set[str], list[Finding]]:
-    """What many strikers share of the domain."""
+    """Members that are rigid in shear and findings of webs, kept for many strikers."""
     return model.about_webs(frame)
 
 
@@ -329,7 +329,7 @@ class FlexibleSuperelement(_HingedBars):
     )
 
     def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
-        """As all; of members that a pulse leaves elastic what hinges add to their flexibility."""
+        """Run as in `FrameModel`; members left elastic by a pulse gain flexibility of hinges."""
         response, n = super().run(scenario, structure), self.hinge_stiffness
         return softened(response, n) if isinstance(scenario, FramePulse) else response
 

@@ -189,7 +189,7 @@ def _size(head: Head, tables: Tables) -> str:
 
 
 def _tests(head: Head, tables: Tables, rows: pd.DataFrame, folder: str) -> Iterator[Block]:
-    """What is the same in all rows of the input, then every row with its use."""
+    """Tests in words where all rows of the input are the same, then every row with its use."""
     yield Paragraph(f"All columns of all rows are in `{folder}/tests.csv`.")
     if head["fit"] == "load-slip":
         yield _curves(tables)

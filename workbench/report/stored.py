@@ -1,4 +1,4 @@
-"""What a report reads: the tables of a stored study and, on demand, the responses of its cells."""
+"""Stored study for a report: its tables and, on demand, the responses of its cells."""
 
 import json
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""What a model answers: the response dataset, its outcome and its provenance."""
+"""Response of a model: the dataset, its outcome and its provenance."""
 
 from workbench.responses.build import Response as Response
 from workbench.responses.build import build_response as build_response

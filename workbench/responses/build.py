@@ -195,7 +195,7 @@ def findings_of(response: Response) -> list[Finding]:
 
 @lru_cache(maxsize=1024)
 def _findings(stored: str) -> tuple[Finding, ...]:
-    """Those in JSON: many responses carry the same ones."""
+    """Findings in JSON, parsed: many responses carry the same ones."""
     return tuple(map(Finding.from_dict, json.loads(stored)))
 
 

@@ -1,4 +1,4 @@
-"""What a sequence of refinements says: observed order, extrapolate, grid convergence index.
+"""Convergence of a sequence: observed order, extrapolate, grid convergence index.
 
 Four levels or more are fitted by phi_0 + a h^p with least squares (Eca and Hoekstra 2014): scatter,
 which a formula through three points would take for an order, becomes a standard deviation and
@@ -100,7 +100,7 @@ def _fitted(phi: Array, sizes: Array, weights: Array, exponents: Array, free: bo
 
 @dataclass(frozen=True, slots=True)
 class Ladder:
-    """What a sequence of refinements says about the value at its finest level.
+    """Ladder of refinements, and its statement on the value at the finest level.
 
     `finest`, the value there; `extrapolated`, the value at zero size; `uncertainty`, half-width of
     the interval around `finest` in its unit (absolute grid convergence index); `note`, one

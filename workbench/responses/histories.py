@@ -1,4 +1,4 @@
-"""What histories imply: peak, residual, contact force, impulse, and the energy ledger.
+"""Numbers implied by histories: peak, residual, contact force, impulse, energy ledger.
 
 The ledger is closed in `balance_error`; a model that sums in an order of its own gives it itself.
 """
@@ -32,7 +32,7 @@ FORCE_WINDOW = 1e-3  # s; contact forces of nonsmooth models are means over this
 def implied(
     values: Mapping[str, Array | None], time: Array | None
 ) -> tuple[dict[str, Any], list[Finding]]:
-    """What the histories among the `values` of a response imply, and what has to be said of it.
+    """Numbers implied by histories among the `values` of a response, and findings on them.
 
     A displacement over `time` (s; None: load steps) implies its peak; with the percussion of a
     striker also the residual displacement, impulse and contact force, with the load of a pulse the

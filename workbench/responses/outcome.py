@@ -73,7 +73,7 @@ _ADVICE = {
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What a model says about its own answer: a warning (it still answers) or a refusal.
+    """Finding of a model on its own answer: a warning (it still answers) or a refusal.
 
     Arguments: `subject`, a short key such as ``shear``; `text`, one sentence with the numbers;
     `refusal`, True when the model cannot answer; `remedy`, which model or input to use instead

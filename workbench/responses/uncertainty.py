@@ -55,7 +55,7 @@ class Direction:
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """What the runs say about one number of the answer.
+    """Estimate by several runs of the numerical uncertainty of one number of the answer.
 
     `width`, the half-width (None: unknown) in the unit of the number; `parts`, that of each
     direction; `ladder`, that of the meshes (None: a value is missing); `note`, one sentence.

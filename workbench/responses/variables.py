@@ -24,7 +24,7 @@ class Variable(NamedTuple):
 
     @property
     def attributes(self) -> dict[str, str]:
-        """What a stored variable carries."""
+        """Attributes of a stored variable."""
         return {"units": self.units, "long_name": self.long_name}
 
 

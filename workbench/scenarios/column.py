@@ -219,7 +219,7 @@ class Impact:
 
 
 class Weighed:
-    """What acts on a column in a `direction`, across it, with or without `gravity`."""
+    """Action on a column in a `direction`, across it, with or without `gravity`."""
 
     column: Column
     direction: str | None

@@ -63,7 +63,7 @@ class Varied(Sequence[Scenario]):
 
     @cached_property
     def _alike(self) -> dict[tuple[Any, str], Any]:
-        """What all rows have in common, a frame or its members, made once."""
+        """Values that all rows have in common, a frame or its members, made once."""
         varied = {str(path[0]) for path in self.by_key}
         kind = None if "kind" in varied else KINDS.get(str(self.tables.get("kind")))
         try:
@@ -230,7 +230,7 @@ def _stacked(base: ColumnImpact, numbers: Mapping[Path_, Array], count: int) -> 
 
 
 def _same(scenario: Scenario) -> Any:
-    """What the struck columns of a stack have in common; None of other scenarios."""
+    """Key of what the struck columns of a stack have in common; None of other scenarios."""
     if not isinstance(scenario, ColumnImpact) or scenario.striker.crushes:
         return None
     column, steel = scenario.column, scenario.column.steel

@@ -195,7 +195,7 @@ class Steel(Declared, table="steel"):
 
 
 class MadeOfSteel(Declared):
-    """What has a field `steel`, in which alone its grade is given. Raises `InputError`."""
+    """Object with a field `steel`, in which alone its grade is given. Raises `InputError`."""
 
     def __new__(cls, *_values: Any, **named: Any) -> Self:
         """Return the object, which its fields fill."""

@@ -61,7 +61,7 @@ def peaks_of(rows: pd.DataFrame) -> pd.Series:
 
 
 def damage_findings(rows: pd.DataFrame, quantity: str) -> Iterator[Finding]:
-    """What the way in which damage was measured says against it, for the rows of a fit."""
+    """Findings on the way in which damage was measured, for the rows of a fit."""
     if (rows["predamage_measure"] == SN_LIFE).any():
         yield finding("stud-characteristic-life")
     weak = rows[rows["shear_kN"] < (1.0 - TOTAL_TOLERANCE) * rows["predamage_peak_kN"]]
@@ -112,7 +112,7 @@ def references(table: pd.DataFrame, quantity: str) -> pd.DataFrame:
 
 
 def ratios(table: pd.DataFrame, quantity: str) -> pd.Series:
-    """What every row has of its undamaged reference; NaN where there is none."""
+    """Ratios of every row to its undamaged reference; NaN where there is none."""
     return table[QUANTITIES[quantity][0]].astype(float) / references(table, quantity)["reference"]
 
 
@@ -243,7 +243,7 @@ def grade_of(rows: pd.DataFrame, quantity: str) -> Grade:
 def residual_findings(
     rows: pd.DataFrame, at_bound: tuple[str, ...], onset: float, between: float | None = None
 ) -> Iterator[Finding]:
-    """What is to be said of a fit to tests after pre-damage.
+    """Findings of a fit to tests after pre-damage.
 
     Arguments: parameters `at_bound`; what is left at the `onset` of loss, 15 % of the life; scatter
     `between` campaigns if it is known.

@@ -1,4 +1,4 @@
-"""What every fit to tests is made of: parameters with intervals, findings, and unseen tests.
+"""Protocol of every fit to tests: parameters with intervals, findings, and unseen tests.
 
 A `Fit` gives a `summary` (one row) and `tables`, and names the `figures` that its tables feed. The
 command line, studies, reports and JSON are made of these alone.

@@ -172,7 +172,7 @@ class Formula:
         return [finding("stud-outside", words=w, count=n, **how) for w, n in counts.items() if n]
 
     def scaled(self, **factors: float) -> Formula:
-        """The same formula with another factor ``steel``, ``concrete`` or both (a fitted form)."""
+        """Formula with another factor ``steel``, ``concrete`` or both (a fitted form)."""
         changes: dict[str, Any] = {f"{name}_factor": value for name, value in factors.items()}
         return replace(self, **changes)
 

@@ -1,4 +1,4 @@
-"""What a laboratory asks of its tables: fits with all that is known of them, as stacked tables.
+"""Fits of a laboratory's tables with all that is known of them, as stacked tables.
 
 `workbench fit` prints them, its report draws them. Every function takes the rows to fit and those
 `held` out to judge the fit.
@@ -124,7 +124,7 @@ def residual(
     judged: bool = False,
     **how: Any,
 ) -> Tables:
-    """What is left of `quantities`; without tests one answer for every stud.
+    """Residual `quantities` after damage; without tests one answer for every stud.
 
     Arguments: `predicted_reference`, see `predicted_references`; `judged`, by all rows that are
     `held`, whether they tell or not; the rest as in `answer_residual`. Raises `InputError`.

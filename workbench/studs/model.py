@@ -1,4 +1,4 @@
-"""What the models of studs share: tables split by campaign, responses; the tests as a model."""
+"""Models of studs, common parts: tables split by campaign, responses; the tests as a model."""
 
 import hashlib
 import json
@@ -217,7 +217,7 @@ class StudMeasured(StudModel):
 
 
 def _rows(question: str, tests: pd.DataFrame, points: pd.DataFrame) -> pd.DataFrame:
-    """What the tests say to the question, one row per test or point; may be empty."""
+    """Rows that answer the question, one per test or point; may be empty."""
     nothing = pd.DataFrame(columns=["campaign", "specimen"])
     if question == "load-slip":
         return nothing if points.empty else first_loading(points, falling=True)

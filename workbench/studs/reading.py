@@ -21,7 +21,7 @@ _SHOWN = 5  # problems that one message lists by line
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """What is wrong with one cell or row: `line` of the file (1 is the header), `column` or ''."""
+    """Problem with one cell or row: `line` of the file (1 is the header), `column` or ''."""
 
     file: str
     line: int
@@ -112,7 +112,7 @@ def examined(cells: Cells, table: Table) -> Examination:
 
 @dataclass
 class _Seen:
-    """What the rows before have named: keys, and the spelling of every campaign."""
+    """Names in the rows before: keys, and the spelling of every campaign."""
 
     table: Table
     lines: dict[tuple[str, ...], int] = field(default_factory=dict)
@@ -147,7 +147,7 @@ def _columns(cells: Cells, table: Table) -> list[Column | str]:
 
 
 def width_findings(cells: list[str], width: int) -> list[RowFinding]:
-    """What there is to say of a row that has not as many cells as the header."""
+    """Findings on a row that has not as many cells as the header."""
     if len(cells) == width:
         return []
     reason = f"has {len(cells)} cells where the header has {width}"

@@ -54,7 +54,7 @@ class Relation:
         return replace(self, peak=peak, formula=self.formula + value)
 
     def __call__(self, level: ArrayLike, theta: ArrayLike = ()) -> Array:
-        """What is left (n,) at damage levels (n,) for parameters (p,)."""
+        """Ratio that is left (n,) at damage levels (n,) for parameters (p,)."""
         d = np.asarray(level, float)
         if np.any(d < 0.0):
             raise InputError("level", float(np.min(d)), "damage is 0 or more")
@@ -67,7 +67,7 @@ MEASURES = ("displacement ratio", "load ratio")  # of damage, that the mechanica
 
 @dataclass(frozen=True)
 class MechanicalCurve:
-    """What a mechanical model predicts to be left: `level` (n,), `ratio` (n,) with a band.
+    """Curve predicted by a mechanical model: `level` (n,), `ratio` (n,) left, with a band.
 
     `low` and `high` (n,) bound the prediction over its unknown parameters; `predamage`,
     `measure` and `quantity` as in `fit_residual`; `basis` says what it was calibrated on; `stud`,

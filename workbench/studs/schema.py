@@ -49,7 +49,7 @@ class Column:
 
     @property
     def blank(self) -> object:
-        """What an empty cell holds."""
+        """Value of an empty cell."""
         if isinstance(self.rule, Number):
             return float(self.default or "nan")
         return self.default
@@ -257,7 +257,7 @@ POINTS = Table("points", declared("points", _COLUMNS))
 
 
 class Template(NamedTuple):
-    """What a table is for: its `title`, columns and example `rows`; `verb` that takes it.
+    """Template of a table: its `title`, columns and example `rows`; `verb` that takes it.
 
     `more`, columns that help and may be added; `notes`, what columns alone do not tell; `units`, a
     second line for names without units (empty: the names hold them).

@@ -1,4 +1,4 @@
-"""What is to be said of tables of tests: rows that are possible one by one and absurd together.
+"""Plausibility of tables of tests: rows that are possible one by one and absurd together.
 
 Also what a fit of strength says of the tests behind it, and of their measurement. The sentences
 stand in ``findings.toml``; `workbench data check` and every fit to such a table give them.
@@ -44,13 +44,13 @@ EUROPEAN_DENSITY = 2200.0  # kg/m3, of eta_E = (w / 2200)^2, EN 1992-1-1, 11.3.2
 
 
 def suspicions(table: pd.DataFrame) -> list[Finding]:
-    """What looks wrong in a table of tests (schema `TESTS`), one finding per suspicion."""
+    """Findings on implausible tests of a table (schema `TESTS`), one per suspicion."""
     checks = (_loads, _single, _slips, _columns, _rises, _outliers)
     return [each for check in checks for each in check(table)]
 
 
 def suspicions_of_points(points: pd.DataFrame) -> list[Finding]:
-    """What looks wrong in a table of load-slip points (schema `POINTS`)."""
+    """Findings on implausible load-slip points of a table (schema `POINTS`)."""
     curves = points.groupby(["campaign", "specimen"])["slip_mm"].agg(["max", "count"])
     curves = curves[curves["count"] >= LEAST_ROWS]
     return list(_slips(curves["max"].rename("slip_at_max_mm").reset_index()))
@@ -101,7 +101,7 @@ def _outliers(table: pd.DataFrame) -> Iterator[Finding]:
 
 
 def _rises(table: pd.DataFrame) -> Iterator[Finding]:
-    """What is left that rises with the damage, as it does with the life that remains (Spearman)."""
+    """Findings where the rest rises with the damage, as with the life that remains (Spearman)."""
     from scipy.special import stdtrit
 
     damage = damage_of(table).assign(predamage=table["predamage"])
@@ -150,7 +150,7 @@ def measurement_of(kept: pd.DataFrame, load: str) -> float | None:
 def strength_findings(
     kept: pd.DataFrame, tests: Specimens, model: Formula, given: Problem
 ) -> Iterator[Finding]:
-    """What a fit to tests warns of; the `kept` rows are the `tests`."""
+    """Findings of a fit to tests; the `kept` rows are the `tests`."""
     yield from model.findings(tests)
     above = int(np.sum(tests.quantity(model.load) > tests.area * tests.ultimate_strength))
     if above:

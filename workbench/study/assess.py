@@ -211,7 +211,7 @@ def _parameters(study: Study) -> Columns:
 
 
 def _cell_row(answers: Answers, cell: Cell, record: Record | None) -> Row:
-    """What the table of cells says of a cell; `record`, where it is stored."""
+    """Row of a cell in the table of cells; `record`, where it is stored."""
     row: dict[str, Any] = {"case": cell.case, "label": cell.label, "model": cell.model.name}
     row |= {"model_version": cell.version, "outcome": NOT_RUN, "key": cell.key}
     if record is not None:
@@ -227,7 +227,7 @@ def _finding_rows(answers: Answers) -> Iterator[Row]:
 
 
 def numbers_of(response: Response, record: Record) -> Row:
-    """What the table of cells says of an answer."""
+    """Numbers of an answer in the table of cells."""
     warnings = outside(response)
     warned = sum(each.expects_error for each in warnings)
     row: dict[str, object] = {

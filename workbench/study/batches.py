@@ -75,7 +75,7 @@ def answers_of(model: Model, varied: Varied, like: Scenario, jobs: int = 1) -> p
 
 
 def answers_by(run: Run, jobs: int, model: Model, varied: Varied, like: Scenario) -> pd.DataFrame:
-    """As `answers_of`, by the processes of a `run`; they only start where answers do not stack.
+    """Answers as of `answers_of`, by the processes of a `run`, started where answers do not stack.
 
     A few rows of superelements, which march beside each other, are not worth processes.
     """

@@ -126,7 +126,7 @@ def joined(*notes: str) -> str:
 
 
 def own_note(response: Response, quantity: str) -> str:
-    """What a response says of its own numerical uncertainty of a quantity."""
+    """Note of a response on its own numerical uncertainty of a quantity."""
     basis = json.loads(response.attrs[numerical.BASIS])
     known = basis["quantities"].get(quantity)
     if known is None:

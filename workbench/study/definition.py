@@ -303,5 +303,5 @@ def _file_safe(where: str, name: Any) -> None:
 
 def _known(where: str, quantity: Any) -> None:
     if quantity not in VARIABLES and "." not in str(quantity):
-        advice = did_you_mean(str(quantity), list(VARIABLES), "see docs/user-guide.md")
+        advice = did_you_mean(str(quantity), list(VARIABLES), "see docs/reference/columns.md")
         raise InputError(where, str(quantity)[:80], "is not a variable of responses", advice)

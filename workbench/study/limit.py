@@ -27,7 +27,7 @@ LONGER = 4  # doublings of a record that ends before its peak
 
 @dataclass(frozen=True)
 class Trial:
-    """What became of the structure at one `value`: `survives`, None where that is not known.
+    """Trial at one `value`: whether the structure `survives`, None where that is not known.
 
     With `outcome` and `message`, `collapse` as responses carry it, and `duration` of the record (s;
     None: the scenario has none).

@@ -152,7 +152,7 @@ def _description(study: Study) -> Manifest:
 
 
 def _last_answers(manifest: Manifest, store: Store) -> dict[tuple[str, str], Ingredients]:
-    """What the last stored answer of every (case, label) was made of."""
+    """Ingredients of the last stored answer of every (case, label)."""
     answers = {}
     for entry in manifest.get("cells", ()):
         # the manifest is written before the cells: look whether the cell came to be stored

@@ -173,7 +173,7 @@ def progress_for(stream: TextIO, environment: Mapping[str, str]) -> Progress:
 
 @dataclass(frozen=True)
 class RunSummary:
-    """What a run did: cells `answered` now, `stored` before, and how all of them ended."""
+    """Summary of a run: cells `answered` now, `stored` before, and how all of them ended."""
 
     study: Study
     directory: Path

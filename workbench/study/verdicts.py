@@ -52,7 +52,7 @@ BOTH = "within the bound, but both sides are outside their domain,"
 
 
 def outside(response: Response) -> list[Finding]:
-    """What an answer says of itself about being outside the domain of its model."""
+    """Findings of an answer that put it outside the domain of its model."""
     return [finding for finding in findings_of(response) if finding.outside]
 
 

@@ -10,7 +10,7 @@ import workbench
 from workbench.base.catalogue import load
 from workbench.cli import run
 
-GUIDE = Path(workbench.__file__).parents[1] / "docs" / "user-guide.md"
+GUIDE = Path(workbench.__file__).parents[1] / "docs" / "guide"
 
 
 def block(text: str, begin: str, end: str) -> str:
@@ -22,7 +22,8 @@ def block(text: str, begin: str, end: str) -> str:
 def test_the_tables_of_the_guide_come_in(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    guide = GUIDE.read_text(encoding="utf-8")
+    pages = ("impact-tests.md", "published-tables.md")
+    guide = "\n".join((GUIDE / name).read_text(encoding="utf-8") for name in pages)
     monkeypatch.delenv("WORKBENCH_DATA", raising=False)
     monkeypatch.chdir(tmp_path)
     parts = {

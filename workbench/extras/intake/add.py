@@ -34,7 +34,7 @@ _PATIENCE = 60.0  # s to wait for others who add a table
 
 @dataclass(frozen=True)
 class Added:
-    """What became of a table: its `entry` in the catalogue and how many `rows` it has.
+    """Result of an addition: `entry` of the table in the catalogue and how many `rows` it has.
 
     `notes`, how columns were read; `doubts`, what was accepted all the same; `already`, whether
     the same table was there, so that nothing was written; `read`, whether the catalogue reads the
@@ -50,7 +50,7 @@ class Added:
 
     @property
     def then(self) -> str:
-        """What to do with the table next."""
+        """Advice on the next step with the table."""
         kind = KINDS[self.entry.kind]
         fitted = kind.fit.format(path=self.entry.path) if self.entry.role == "calibrate" else ""
         return ", or ".join(part for part in (kind.then, fitted) if part)
@@ -112,7 +112,7 @@ def add_table(
 
 
 def _common(statements: Mapping, kind: Kind) -> dict[str, str]:
-    """What the mapping says of all rows, as cells of the columns of the schema."""
+    """Statements of the mapping on all rows, as cells of the columns of the schema."""
     given = {kind.source: statements.source, "licence": statements.licence, "role": statements.role}
     if statements.role == SYNTHETIC:
         given["origin"] = SYNTHETIC

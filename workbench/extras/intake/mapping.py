@@ -42,7 +42,7 @@ WORDS, CONSTANTS = Instance(dict, read=_words), Instance(dict, read=_constants)
 
 @dataclass(frozen=True)
 class Mapping(Declared):
-    """What a mapping file says of a table.
+    """Mapping file of a table.
 
     `title`, `source`, `licence`, `year`, `role`: of all rows; `uncertainty`, how well the numbers
     are known; `name` in the catalogue and `key` of the bibliography (both optional). `columns`:

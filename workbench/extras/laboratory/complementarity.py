@@ -207,7 +207,7 @@ def _solution(G, q, turns):
 
 @dataclass(frozen=True)
 class Restitution(Declared, table="restitution"):
-    """What comes back after an impact.
+    """Restitution law of contacts.
 
     Arguments: `coefficients` of the contacts, 0 (plastic) to 1 (elastic), one for each or one for
     all; `law`, newton or poisson.

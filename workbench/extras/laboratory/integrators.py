@@ -25,7 +25,7 @@ PAGE = Page(__file__)
 
 
 class _Entry(NamedTuple):
-    """What a scheme does on a problem; `work` in evaluations, None if 1 % is not reached.
+    """Entry of a scheme on a problem; `work` in evaluations, None if 1 % is not reached.
 
     `at_once`: it is reached by the coarsest step already.
     """
@@ -43,7 +43,7 @@ Entries = dict[str, dict[str, _Entry | None]]  # by scheme and problem
 
 
 def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
-    """What the matrix says, and itself; nothing for a study without integrators."""
+    """Summary of integrators: the matrix, and what it says; empty without integrators."""
     entries: Entries = {}
     cases = [case for case in study.cases if isinstance(case.scenario, ImpactProblem)]
     for case in cases:

@@ -1,4 +1,4 @@
-"""What an integrator asks of a system, and the laboratory's own systems of masses and springs.
+"""System for an integrator: its protocol, and the laboratory's own masses and springs.
 
 Unknowns q obey M q'' + f(q) = W P with gaps g = W'q + c(t) >= 0.
 """
@@ -88,7 +88,7 @@ class Springs:
         return self.along.T @ force - self.load, tangent
 
     def forces(self, q: Array) -> tuple[Array, Array]:
-        """As in `System`; so are the others."""
+        """Forces and tangent, see `System`; its protocol also describes the other methods."""
         _, x, inside = self._elastic(q)
         return self._added(x * (self.k + self.b * x**2), inside * (self.k + 3.0 * self.b * x**2))
 

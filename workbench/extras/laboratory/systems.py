@@ -146,7 +146,7 @@ _SOLVED = 1e-9  # scaled residual of a step
 
 
 class Conditions(NamedTuple):
-    """What the contact law asks, as the largest violation in a run: all are zero at best.
+    """Conditions of the contact law, as the largest violation in a run: all are zero at best.
 
     `penetration` in m, `pull` in N s, `complementarity` (impulses across open gaps, over the
     largest impulse times the largest approach), `created` energy in the contacts in J.

@@ -1,1 +1,1 @@
-"""What practice uses: estimates by hand, rules of codes, equivalent masses, catenaries."""
+"""Models of practice: estimates by hand, rules of codes, equivalent masses, catenaries."""

@@ -91,7 +91,7 @@ class Biggs(SingleDof):
         return digest(self.direct_shear)
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
-        """Those of `single-dof`; a refusal of direct shear where nothing but a line load acts."""
+        """Findings of `single-dof`; a refusal of direct shear unless a line load acts alone."""
         findings = super().domain(scenario)
         if self.direct_shear != NONE and getattr(scenario, "load", None) != UNIFORM:
             findings.append(finding("direct-shear-of-line-loads", kind=scenario.KIND))
@@ -103,7 +103,7 @@ class Biggs(SingleDof):
         return stages_of(column, self.axial, uniform)
 
     def curve(self, column: Column, uniform: bool = False) -> ResistanceCurve:
-        """As that of `single-dof`. Raises `OutOfDomainError`."""
+        """Resistance curve of the stages, as in `single-dof`. Raises `OutOfDomainError`."""
         return stage_curve(column, self.stages(column, uniform), uniform)
 
     def with_mass(self, scenario: ColumnImpact) -> ColumnImpact:
@@ -120,7 +120,7 @@ class Biggs(SingleDof):
         return heavier
 
     def pushed(self, scenario: MemberPulse) -> Pushed:
-        """What a pulse moves: the mass K_LM M of each stage against the resistance to its load.
+        """System that a pulse moves: mass K_LM M of each stage against the resistance to its load.
 
         A line load does the work of K_L times it, another K_L in each stage: energies of the member
         are not those of the equivalent system then.

@@ -115,14 +115,14 @@ def catenary_curve(column: Column, shape: str, uniform: bool = False) -> Resista
 
 @dataclass(frozen=True)
 class _Catenary(SingleDof):
-    """What the three share: their curve stands for the resistance of the column."""
+    """Common base of catenary models: their curve stands for the resistance of the column."""
 
     rotational_stiffness: ClassVar[None] = None  # type: ignore[misc]
     rate_factor: ClassVar[None] = None  # type: ignore[misc]
     interaction: ClassVar[str] = LINEAR  # type: ignore[misc]
 
     def curve(self, column: Column, uniform: bool = False) -> ResistanceCurve:
-        """As that of `single-dof`. Raises `OutOfDomainError`."""
+        """Resistance curve with catenary action, as in `single-dof`. Raises `OutOfDomainError`."""
         return catenary_curve(column, self.resistance, uniform)
 
 

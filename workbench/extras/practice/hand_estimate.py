@@ -1,4 +1,4 @@
-"""What is worked out on half a page: momentum, then energy against a constant mechanism load.
+"""Estimate on half a page: momentum, then energy against a constant mechanism load.
 
 An inelastic collision joins the striker m with the effective mass m_e of the column,
 v1 = m v0 / (m + m_e); what is left of the energy, E = (m + m_e) v1^2 / 2, is the work of the

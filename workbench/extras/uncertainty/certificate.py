@@ -47,7 +47,7 @@ _CURVE = ("median", "low", "high", "low_all", "high_all")
 
 
 def certificate(result: Fragility) -> dict[str, Any]:
-    """What a fragility curve rests on, as JSON holds it; probabilities over velocity in m/s."""
+    """Certificate of a fragility curve, as JSON holds it; probabilities over velocity in m/s."""
     setup, curve, finer = result.setup, result.curve, result.finer
     numerical, shift = finer.error
     references = [
@@ -117,7 +117,7 @@ class Checked(NamedTuple):
 
 
 class Verified(NamedTuple):
-    """What became of a certificate: runs made again, and places that do not follow from it."""
+    """Result of a verification: runs made again, and places that do not follow from it."""
 
     runs: tuple[Checked, ...]
     differs: tuple[str, ...]
@@ -225,7 +225,7 @@ def _logarithm(path: str, value: Any) -> float:
 
 
 def _setup(content: Mapping[str, Any], references: int, jobs: int) -> Setup:
-    """What was asked, from a certificate."""
+    """Setup of the question, from a certificate."""
     if content.get("kind") != KIND or content.get("format") != FORMAT:
         text = f"must be a certificate of kind {KIND}, format {FORMAT}"
         raise InputError("certificate", content.get("kind"), text, "make the certificate again")

@@ -19,7 +19,7 @@ PAGE = Page(__file__)
 
 
 def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
-    """What governs each case, and a row for every curve; nothing for a study without curves."""
+    """Summary of curves: what governs each case, and a row for each; empty without curves."""
     rows: list[tuple[str, str, Response, float | None]] = []
     governs: dict[str, str] = {}
     for case in study.cases:

@@ -36,7 +36,7 @@ VELOCITIES = Number(0.01, 500.0, "m/s")  # ends of a range
 
 
 class Limit(NamedTuple):
-    """What must not be exceeded: a peak displacement (m), or collapse (infinite)."""
+    """Limit that must not be exceeded: a peak displacement (m), or collapse (infinite)."""
 
     displacement: float
 

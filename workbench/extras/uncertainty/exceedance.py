@@ -52,7 +52,7 @@ class Exceedance(Answering):
     sources: ClassVar[tuple[str, ...]] = ()
 
     def domain(self, scenario: UncertainImpact) -> list[Finding]:
-        """What lies outside is found sample by sample."""
+        """Findings in advance: none; samples outside a domain are found one by one."""
         return []
 
     def _solve(self, scenario: UncertainImpact) -> Response:
@@ -114,7 +114,7 @@ def _response(
     parts: dict[str, Any],
     runs: dict[str, int],
 ) -> Response:
-    """What a curve, the inputs that govern it and its costs look like in a store."""
+    """Response of a curve, the inputs that govern it and its costs, as in a store."""
     response = build_response({})
     widths = {}
 

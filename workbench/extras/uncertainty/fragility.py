@@ -72,7 +72,7 @@ class Samples:
 
     @classmethod
     def of(cls, setup: Setup, run: Run) -> "Samples":
-        """Those of a setup. Raises as `survey`."""
+        """Samples of a setup. Raises as `survey`."""
         roots, population, kinds = survey(setup, run)
         sampled = Sampled.of(setup, population.inputs, run)
         offset = float(np.random.default_rng((setup.seed, SCRAMBLES)).random())
@@ -124,7 +124,7 @@ class Fragility:
 
     @classmethod
     def of(cls, setup: Setup, samples: Samples, ratios: Sequence[Ratio], finer: Finer) -> Self:
-        """What samples and references give. Raises `WorkbenchError` if too many of them failed."""
+        """Fragility from samples and references. Raises `WorkbenchError` if too many failed."""
         population = samples.population
         numerical, shift = finer.error
         without = _curve(setup, population, samples.places, ratios, shift)

@@ -251,7 +251,7 @@ def _beyond(scores: Array, points: Array) -> Array:
 
 
 def _silent_share(weights: Array, failing: Array, far: Flags) -> float:
-    """What samples without an answer weigh over those that fail.
+    """Weight of samples without an answer over that of those that fail.
 
     Refuses an estimate that lacks answers, or rests on what lies far from all points.
     """

@@ -52,7 +52,7 @@ class Target(NamedTuple):
 
 @dataclass(frozen=True)
 class Setup:
-    """What is asked: uncertain scenario, models, limit, ends of the range of velocities (m/s).
+    """Setup of the question: uncertain scenario, models, limit, ends of the velocities (m/s).
 
     `samples` in all; `seed`; `references` (None: looks at the band decide, up to `seconds`);
     `meshes`, whether some of them are run on finer meshes too.
@@ -158,7 +158,7 @@ class Sampled:
 
     @classmethod
     def of(cls, setup: Setup, scores: Array, run: Run) -> "Sampled":
-        """Those of normal scores (samples, inputs), asked by the reduced model."""
+        """Samples of normal scores (samples, inputs), answered by the reduced model."""
         uncertain = setup.uncertain
         return cls(setup.reduced, uncertain.varied(scores), uncertain.base, run, setup.jobs)
 

@@ -1,4 +1,4 @@
-"""What all models of frames share: structure, runs, snapshots, and where they stop applying."""
+"""Common parts of all models of frames: structure, runs, snapshots, limits of their domain."""
 
 from typing import Any
 

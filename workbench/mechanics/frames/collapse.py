@@ -77,7 +77,7 @@ class CollapseMechanism(NamedTuple):
         return float(self.works(frame, axial).sum())
 
     def works(self, frame: Frame, axial: ArrayLike) -> Array:
-        """What each member (members,) takes of that."""
+        """Share of each member (members,) in that second-order work."""
         return np.asarray(-np.asarray(axial) * self.turns(frame) ** 2 * frame.lengths)
 
     def turns(self, frame: Frame) -> Array:
@@ -205,7 +205,7 @@ LEAST_LENGTH = 0.05  # of an element; plastic strains have lost all meaning long
 
 
 class Lines(NamedTuple):
-    """What displacements (dofs,) do to the members of a frame, in rows, and to its lines of them.
+    """Operator from displacements (dofs,) to the drift of members, in rows, and of their lines.
 
     Dofs u, v of both ends of each member, its `corners` (members, 4); what of the movement of its
     end from its start is `across` its axis and `along` it (members, 2), over its length; names of

@@ -1,4 +1,4 @@
-"""What an engineer puts in the place of a frame around one of its columns.
+"""Column estimate: the single column that an engineer puts in the place of a frame around it.
 
 Axial load, an elastic spring along the column, a mass at its head and the supports of its ends,
 all from elastic analyses for unit loads; and from limit analyses, where these estimates end.
@@ -110,7 +110,7 @@ class ColumnEstimate:
         return 1.0 - alone / whole
 
     def findings(self) -> Iterator[Finding]:
-        """What was estimated, and what that leaves out."""
+        """Findings on the estimated values, and on effects that they leave out."""
         column, line = self.column.column, self.line
         spring = f"an elastic spring of {column.restraint_stiffness / 1e6:.4g} MN/m"
         held = {"fixed": "no axial movement", "guided": spring, "pinned": spring}[column.head]

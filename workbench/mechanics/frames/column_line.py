@@ -51,7 +51,7 @@ class ColumnLine:
         return Load(self.head, x=-x, y=-y), Load(self.base, x=x, y=y)
 
     def turned(self) -> ColumnLine:
-        """The same line with base and head exchanged."""
+        """Line with base and head exchanged."""
         return replace(
             self,
             members=self.members[::-1],

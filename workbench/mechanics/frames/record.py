@@ -1,4 +1,4 @@
-"""What a run of a frame records at every committed step: histories, and pictures of the frame."""
+"""Record of a run of a frame at every committed step: histories, and pictures of the frame."""
 
 from operator import attrgetter
 from typing import Any, ClassVar
@@ -229,7 +229,7 @@ class Record:
         return np.asarray(self._most[0] / self.structure.frame.each("shear_resistance"))
 
     def unyielding_shear(self) -> Array:
-        """The same of the mean along members in which shear does not yield (members,)."""
+        """Largest mean shear along members where it does not yield (members,), over resistance."""
         return np.asarray(self._most[1] / self.structure.frame.each("shear_resistance"))
 
     @property

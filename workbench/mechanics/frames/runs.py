@@ -91,7 +91,7 @@ def measure_impact(
 
 
 def _struck(record: Record, scenario: FrameImpact) -> tuple[dict[str, Any], list[Finding]]:
-    """What the scalars of an impact follow from, and what is said of the residual displacement."""
+    """Values behind the scalars of an impact, and findings on the residual displacement."""
     striker, impulses = scenario.striker, record.history(0.0, "impulse")
     residual, warnings = _residual(record, scenario, striker, {"percussion": impulses})
     values = {

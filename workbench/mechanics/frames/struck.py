@@ -95,11 +95,11 @@ class StruckRecord(Record):
             self.watch.check(self.displacement, float(at[-1]))
 
     def column(self, name: str) -> Array:
-        """As of other records."""
+        """History of a scalar (steps,), or of one of each hinge (hinges, steps)."""
         return np.ascontiguousarray(np.concatenate(self._rows[name]).T)
 
     def history(self, start: float, name: str) -> Array:
-        """As of other records; the kinetic energy is that of structure and striker."""
+        """History as in `Record`; the kinetic energy is that of structure and striker."""
         if name == "length":
             return np.diff(self.column("at"), prepend=0.0)
         values = np.concatenate(
@@ -109,11 +109,11 @@ class StruckRecord(Record):
         return values
 
     def moving(self, start: float) -> Array:
-        """As of other records."""
+        """History (steps,) of the kinetic energy of structure and striker (J), from `start`."""
         return self.history(start, "kinetic")
 
     def total(self, name: str) -> Array:
-        """As of other records."""
+        """History (steps,) of the sum as in `Record`; of evaluations and cuts the last value."""
         if name in ("evaluations", "cuts"):
             return np.array([getattr(self._steps[-1], name)])
         column = name.removeprefix("energies.")
@@ -121,7 +121,7 @@ class StruckRecord(Record):
 
 
 class StruckNumbers(StruckRecord):
-    """What the scalars alone of an impact follow from: neither pictures nor moments nor shear."""
+    """Record of an impact for its scalars alone: neither pictures nor moments nor shear."""
 
     def _see(self, at: Any, turns: bool) -> None:
         self._read(at)

@@ -54,7 +54,7 @@ class MemberReader(ABC):
         return slice(int(self.first[number]), int(self.first[number + 1]))
 
     def reading(self, elements: ElementGroup) -> Self:
-        """The same reader of a copy of the elements."""
+        """Reader of a copy of the elements."""
         other = copy(self)
         other.elements = elements
         return other
@@ -139,13 +139,13 @@ class FrameStructure:
         return -1.0 if self.is_column else 1.0
 
     def fresh(self) -> Self:
-        """The same structure in a state of its own, which a run may change."""
+        """Copy of the structure in a state of its own, which a run may change."""
         assembly = self.assembly.copy()
         members = self.members.reading(assembly.groups[0])
         return replace(self, assembly=assembly, members=members)
 
     def seen(self) -> Self:
-        """The same structure, of which other states can be shown."""
+        """Copy of the structure, of which other states can be shown."""
         assembly = _again(self.assembly)
         assembly.groups = tuple(map(_again, assembly.groups))
         structure, members = _again(self), _again(self.members)
@@ -232,7 +232,7 @@ def nodal_forces(frame: Frame, assembly: PlanarAssembly, loads: Sequence[Load]) 
 
 
 def _counted(frame: Frame) -> list[Load]:
-    """What dead loads bring already of the weight of the masses of nodes, to be taken off."""
+    """Loads that take off the weight of nodal masses as far as dead loads bring it already."""
     (x, y), stood = frame.gravity, frame.load_masses
     masses = {node.name: -min(node.mass, stood.get(node.name, 0.0)) for node in frame.nodes}
     return [Load(name, x=x * mass, y=y * mass) for name, mass in masses.items() if mass]

@@ -112,7 +112,7 @@ def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> tuple[
 def _parts(
     frame: Frame, nodes: tuple[str, ...], mass: float, multiple: int, far: int
 ) -> tuple[int, ...]:
-    """Those of a frame whose nodes a `mass` (kg) hits, or (infinite) the force of a pulse."""
+    """Parts of each member of a frame whose nodes a `mass` (kg), or a pulse (infinite), hits."""
     counts = [far] * len(frame.members)
     at = np.isin(frame.ends, [frame.number[name] for name in nodes])
     struck = at.any(axis=1)
@@ -255,7 +255,7 @@ class SuperelementMembers(MemberReader):
         return self._signs * self.elements.plastic[..., self._ends, 1 + 2 * self._side]
 
     def plastic_shear(self) -> Array | None:
-        """That of the parts of each member in sum."""
+        """Plastic shear of each member, the sum over its parts."""
         group = self.elements
         if not isinstance(group, Superelements) or not group.yields_in_shear.any():
             return None

@@ -1,4 +1,4 @@
-"""What a march has written, read once for all models: histories, peak, why it ended."""
+"""Records of a march, read once for all models: histories, peak, why it ended."""
 
 from math import isnan, pi, prod, sqrt
 from typing import Any, NamedTuple

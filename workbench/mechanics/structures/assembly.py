@@ -64,7 +64,7 @@ class PlanarAssembly:
         self.largest_force = 1e-6
 
     def copy(self) -> Self:
-        """The same structure in the same state, both of its own."""
+        """Copy of the structure in the same state, with arrays of its own."""
         other = copy(self)
         for name, value in vars(self).items():
             if isinstance(value, np.ndarray | dict):

@@ -165,7 +165,7 @@ def chord_before(bars, e, q, deformation):
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def add_moved_element(step, bars, e, before, chord, local_old, local, k, work):
-    """As `add_element`, of an element whose chord `before` the step is known."""
+    """Add an element, as `add_element` does, by its known chord `before` the step."""
     turn = chord.rotation - before.rotation
     if bars.first_order:
         gradients = initial_gradients(chord.x, chord.y, chord.length)

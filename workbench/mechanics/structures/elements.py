@@ -1,4 +1,4 @@
-"""What an assembly knows of the elements of one kind: bars, two states, the step; joint springs."""
+"""Element groups of an assembly: bars, two states, the step; joint springs."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Bars(NamedTuple):
 
 
 class Step(NamedTuple):
-    """What an assembly asks of its groups: forces and tangent at the displacements `end`.
+    """Step of an assembly for its groups: forces and tangent at the displacements `end`.
 
     `force` (dofs,) and flat `band` to add to; committed displacements `start` (dofs,). If
     `dynamic`, forces are the energy-exact ones of a time step of `duration` (s), with `weight` of
@@ -101,7 +101,7 @@ class ElementGroup(ABC):
         self.bars = bars
 
     def copy(self) -> Self:
-        """The same elements in the same place, with states of their own."""
+        """Copy of the elements in the same place, with states of their own."""
         other = copy(self)
         for name in ("_old", "_new"):
             state = getattr(self, name)

@@ -24,7 +24,7 @@ SEARCHES = 8
 
 
 class Structure(Protocol):
-    """What drivers need of a structure with a committed and a trial state, see `PlanarAssembly`."""
+    """Structure as drivers need it, with a committed and a trial state, see `PlanarAssembly`."""
 
     size: int
     displacement: Array

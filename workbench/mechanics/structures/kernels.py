@@ -96,7 +96,7 @@ def solve_dense(A, b):
 
 @njit(cache=True, error_model="numpy")
 def solve_four(A, b):
-    """As `solve_dense` with four unknowns, in registers as long as all pivots are positive."""
+    """Solve four unknowns as `solve_dense` does, in registers while all pivots are positive."""
     p, u01, u02, u03 = A[0, 0], A[0, 1], A[0, 2], A[0, 3]
     l1, l2, l3 = A[1, 0] / p, A[2, 0] / p, A[3, 0] / p
     u11, u12, u13 = A[1, 1] - l1 * u01, A[1, 2] - l1 * u02, A[1, 3] - l1 * u03

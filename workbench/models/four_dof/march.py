@@ -260,14 +260,14 @@ def impact(columns, states, room, drive, progress, records):
 
 @njit(cache=True, error_model="numpy")
 def closing_impact(columns, states, room, drive, progress, records):
-    """As `impact`, with gaps closed as Gear, Gupta and Leimkuhler do."""
+    """Follow an impact as `impact` does, with gaps closed as Gear, Gupta and Leimkuhler do."""
     pace = begin(drive, progress[0])
     return _closing(start(columns, states, room, pace), pace, progress[0], records)
 
 
 @njit(cache=True, error_model="numpy")
 def explicit_impact(columns, states, room, drive, progress, records):
-    """As `impact`, with Moreau's explicit steps."""
+    """Follow an impact as `impact` does, with Moreau's explicit steps."""
     pace = begin(drive, progress[0])
     return _explicit(start(columns, states, room, pace), pace, progress[0], records)
 

@@ -109,7 +109,7 @@ class RigidBars(Answering):
         return statics.VISCOPLASTIC if flows(self, column.steel) else statics.HINGES
 
     def _springs(self, column: Column) -> Springs:
-        """Those of the elastic column."""
+        """Rotational springs of the elastic column."""
         raise NotImplementedError
 
     def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:
@@ -121,7 +121,7 @@ class RigidBars(Answering):
         return []
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
-        """What the hinges do not hold for, the Euler load, the step of the explicit scheme."""
+        """Findings on the domain of hinges, the Euler load, the step of the explicit scheme."""
         findings = buckling_findings(scenario) + self._hinge_findings(scenario)
         if any(finding.refusal for finding in findings):
             return findings
@@ -145,12 +145,12 @@ class RigidBars(Answering):
         return bars[0], q
 
     def _bars_of(self, column: Column) -> tuple[Any, Array]:
-        """As `bars`, the column in a table of one row: kernels are called faster with tables."""
+        """Bars of the column in a table of one row: kernels are called faster with tables."""
         kept, q = _kept(self, column)
         return np.frombuffer(bytearray(kept), self._tables(column).column), q[0].copy()
 
     def table_of(self, column: Column, count: int = 1) -> tuple[Any, Array]:
-        """As `bars`, of a stack of `count` columns: tables of them and their states (count, 4)."""
+        """Bars of a stack of `count` columns: tables of them and their states (count, 4)."""
         properties = column.properties
         bars = np.zeros(count, self._tables(column).column)
         lengths, stiffness = bars["lengths"], bars["stiffness"]
@@ -328,7 +328,7 @@ def _dead_work(column: Column, records: dict[str, Array]) -> Array:
 
 
 def _histories(column: Column, bars: Any, records: dict[str, Array]) -> dict[str, Any]:
-    """What pushovers and impacts have in common: displacements, forces, shear of the two bars."""
+    """Histories of pushovers and impacts: displacements, forces, shear of the two bars."""
     v, u1, _, u2 = records["q"]
     stress = records["stress"]
     resistance, slides = column.properties.shear_resistance, {}

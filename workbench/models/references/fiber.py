@@ -1,4 +1,4 @@
-"""What all fiber references share: options, mesh, time steps, findings, runs and refinement.
+"""Fiber references, common parts: options, mesh, time steps, findings, runs and refinement.
 
 A column is the frame of its two members. Each reference adds its elements and their section.
 """
@@ -167,7 +167,7 @@ class FiberReference(FrameModel):
 
 
 def joint_findings(frame: Frame) -> list[Finding]:
-    """What a rotational spring at the end of a fiber member leaves out of a joint."""
+    """Findings on joints: strengths that a rotational spring at a fiber member leaves out."""
     used = {m.joint_start for m in frame.members} | {m.joint_end for m in frame.members}
     strengths = {j.name: (j.plastic_moment, j.plastic_moment_negative) for j in frame.joints}
     names = [name for name, each in strengths.items() if name in used and any(each)]

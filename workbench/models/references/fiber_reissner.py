@@ -145,7 +145,7 @@ class FiberReissner(ExactBeams):
 
     @property
     def material(self) -> tuple[str, ...]:
-        """What of the steel the fibers follow beside its static strength."""
+        """Properties of the steel that the fibers follow beside its static strength."""
         linear = self.steel_law == "linear"
         return ("rate", "hardening") if linear else ("static strength",)
 

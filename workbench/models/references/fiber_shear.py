@@ -55,7 +55,7 @@ class FiberShear(ExactBeams):
         )
 
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
-        """As all; webs that buckle; and pulses that webs decide, between the flanges here.
+        """Findings of all fibers; webs that buckle; pulses that webs decide, clear of flanges here.
 
         At the ends of a line load all webs that yield slide alike, see docs/theory/shear-panel.md.
         """

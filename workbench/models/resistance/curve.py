@@ -69,7 +69,7 @@ class Mechanism(NamedTuple):
 
     @property
     def kernel(self) -> Groups:
-        """What the kernels take: s, K, phi, kappa, M_p, N_p, N_0, c_ax, N_c."""
+        """Values for the kernels: s, K, phi, kappa, M_p, N_p, N_0, c_ax, N_c."""
         moments, kappa = self.moments_per_displacement, self.slope_sum
         return self.rotation_rates, moments, self.flexibilities, kappa, *self[4:]
 
@@ -106,7 +106,7 @@ def any_mechanism(
     interaction: str = SECTION,
     uniform: bool = False,
 ) -> Mechanism:
-    """As `mechanism_of`, also where it `carries` no such load; of a stack with arrays."""
+    """Mechanism as of `mechanism_of`, also if it `carries` no such load; of a stack with arrays."""
     properties = column.properties
     if rotational_stiffness is None:
         stiffness = shear_stiffness(column.strength_section, column.steel)
@@ -214,7 +214,7 @@ class ResistanceCurve:
 
     @cached_property
     def events(self) -> tuple[Event, ...]:
-        """What happens along the curve, in order."""
+        """Events along the curve, in order."""
         events = []
         for v, event, group in self.pieces[["start", "event", "group"]][1:].tolist():
             yields = event == YIELDS

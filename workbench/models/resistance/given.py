@@ -94,7 +94,7 @@ class OnCurve(Answering):
 
     @property
     def material(self) -> tuple[str, ...]:
-        """What of the steel a curve that is given stands for: no yield stress can be raised."""
+        """Names of steel properties behind a given curve: no yield stress can be raised."""
         return ("rate", "hardening") if is_given(self.resistance) else ()
 
     @property

@@ -219,7 +219,7 @@ def jump(s, dv, dt):
 
 @uncounted
 def accept_trial(s, dt):
-    """What Moreau's step has moved."""
+    """Accept the trial state of Moreau's step."""
     put(s.states[0], spring_of(s.states[1]))
     s.states[0].w = s.states[1].w
 
@@ -257,7 +257,7 @@ def impact(pieces, drive, progress, records):
 
 @njit(cache=True, error_model="numpy")
 def explicit_impact(pieces, drive, progress, records):
-    """As `impact`, with Moreau's explicit steps."""
+    """Follow an impact as `impact` does, with Moreau's explicit steps."""
     s = OneMass(at_rest(drive, pieces), pieces, drive[DRIVE + 1])
     return _explicit(s, begin(drive, progress[0]), progress[0], records)
 

@@ -98,7 +98,7 @@ class SingleDof(OnCurve):
     def curve_at(
         self, column: Column, given: tuple[str, float], uniform: bool = False
     ) -> ResistanceCurve:
-        """As `curve`, with the points and the rate factor that are `given`, see `OnCurve`."""
+        """Resistance curve with the points and the rate factor that are `given`, see `OnCurve`."""
         spring = self.rotational_stiffness, self.resistance, self.interaction
         return column_curve(column, *spring, uniform, given)
 
@@ -107,7 +107,7 @@ class SingleDof(OnCurve):
         return with_hit_mass(scenario, self.hit_mass)
 
     def pushed(self, scenario: MemberPulse) -> Pushed:
-        """What a pulse moves: a line load does half the work of its resultant at the hit point.
+        """System that a pulse moves; a line load does half the work of its whole at the hit point.
 
         The mass is that of the elastic shape, then that of the mechanism.
         """

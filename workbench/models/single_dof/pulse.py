@@ -36,7 +36,7 @@ _FEWEST_STEPS, _MOST_STEPS = 400, 1_000_000
 
 
 class PushedMass(NamedTuple):
-    """As `OneMass`; mean forces (N) of the steps, their length (s).
+    """System as `OneMass`; mean forces (N) of the steps, their length (s).
 
     And stages (n, 3) of displacement (m), mass (kg) and factor on the velocity, `damping` in N s/m.
     """
@@ -51,7 +51,7 @@ class PushedMass(NamedTuple):
 
 
 class Pushed(NamedTuple):
-    """What a pulse moves: the resistance `curve`, and the `share` of the pulse that acts on it.
+    """System that a pulse moves: the resistance `curve`, and the `share` of the pulse on it.
 
     `stages`: displacement (m) from which on a mass (kg) moves, the first from 0 on, and the
     velocity that it begins with over that before; whether force and resistance are those `at_hit`,

@@ -34,7 +34,7 @@ _ENDS = {
 
 
 class MatrixCell(NamedTuple):
-    """What a model does in a group of cases: a statement, ends without a number, details.
+    """Cell of the matrix, a model in a group of cases: statement, ends without a number, details.
 
     `brief` is the shortest form of a statement with numbers.
     """
@@ -209,7 +209,7 @@ def _of(group: str, row: MatrixRow) -> Cell | None:
 
 
 def _cell(row: Row) -> MatrixCell:
-    """What a model does in a group of cases, from its row in the stored table."""
+    """Cell of a model in a group of cases, from its row in the stored table."""
     tone, details, brief = "muted", [], ""
     if row[f"{PEAK}_count"]:
         statement, brief = _bias(row, PEAK), _bias(row, PEAK, "brief")

@@ -117,7 +117,7 @@ def headline(forms: Sequence[Sequence[Row]]) -> str:
 
 
 def _interval(rows: Sequence[Row]) -> dict[str, Any]:
-    """What a form of a budget says: the answer, its interval, the largest part of that."""
+    """Interval of a form of a budget: the answer, its interval, the largest part of that."""
     form, quantity, value = (rows[0][name] for name in _WHO)
     by_term = {row["term"]: row for row in rows}
     answer = {"form": form, "quantity": quantity, "value": in_unit(value, quantity, 3)}

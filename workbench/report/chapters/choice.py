@@ -67,7 +67,7 @@ def _rows(stored: Stored, group: str) -> Iterator[Row]:
 
 
 def _unjudged(study: Study, stored: Stored, group: str) -> str:
-    """What is to be said of a group whose cases judge no model, or rank them all; or nothing."""
+    """Explanation why the cases of a group judge no model, or rank them all; may be empty."""
     rows = list(_rows(stored, group))
     compared = [row for row in rows if row[f"{PEAK}_count"]]
     if any(row["synthetic"] for row in rows):
@@ -102,7 +102,7 @@ def details(study: Study, stored: Stored, group: str, row: Row) -> str:
 
 
 def judged(row: Row) -> str:
-    """What the numbers of a row are of, in words."""
+    """Quantity of the numbers of a row, in words."""
     return "peak" if row["quantity"] == PEAK else title_of(row["quantity"]).lower()
 
 
@@ -164,7 +164,7 @@ def _expected(study: Study, stored: Stored, group: str, label: str) -> Row:
 
 
 def best_ranked(rows: list[Row], costs: dict[str, float]) -> str:
-    """What to take where no model keeps within the bound in every case, and what to expect."""
+    """Advice where no model keeps within the bound in every case: which to take, what to expect."""
     best, *others = rows
     equal = [row["label"] for row in others if row["chance"] is None or row["chance"] >= SURELY]
     return PAGE.words("ranked", best=best, equal=equal, cost=costs.get(best["label"]))
@@ -187,7 +187,7 @@ def anchored(stored: Stored) -> tuple[Block, ...]:
 
 
 def error_model(stored: Stored) -> Section | None:
-    """What intervals hold by model, and the error and the cost of ways to choose."""
+    """Section on the error model: coverage of intervals, error and cost of ways to choose."""
     return PAGE.section(
         "error_model", coverage=stored.rows["coverage"], chooser=stored.rows["chooser"]
     )

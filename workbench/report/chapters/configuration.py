@@ -1,4 +1,4 @@
-"""What was hit, and everything that is needed to run the study again: models, cases, software."""
+"""Configuration of a study, with all that is needed to run it again: models, cases, software."""
 
 import re
 import textwrap
@@ -67,7 +67,7 @@ def _columns(impacts: Sequence[ColumnImpact]) -> str:
 
 
 def _form(frame: Frame) -> str:
-    """What frames of one form have in common."""
+    """Extent, members and sections that frames of one form have in common."""
     extent = Layout(frame).extent
     return f"{extent} {len(frame.members)} {_sections(frame)}"
 
@@ -196,7 +196,7 @@ def _listing(case: Case, *, printed: bool = True) -> Listing:
 
 
 def _compact(toml: str) -> str:
-    """The same TOML with lists of numbers along the line instead of below each other."""
+    """Reflow TOML: lists of numbers along the line instead of below each other."""
 
     def along(match: re.Match[str]) -> str:
         numbers = ", ".join(match[2].replace(",", " ").split())

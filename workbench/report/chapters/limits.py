@@ -1,4 +1,4 @@
-"""What is missing, and where models answered outside their own assumptions."""
+"""Limits of a study: missing answers, and models outside their own assumptions."""
 
 from collections.abc import Iterable
 from functools import partial
@@ -27,7 +27,7 @@ def _names(names: Iterable[str]) -> Cell:
 
 
 def _groups(cells_of_kind: pd.DataFrame, *kind: str) -> list[dict[str, Any]]:
-    """What cells say alike; of many sentences that differ in their numbers one example.
+    """Groups of cells that say the same; of many sentences that differ in numbers one example.
 
     `kind`: the columns that they have in common, besides `sentence` and `number`.
     """
@@ -108,5 +108,5 @@ def _ratio(label: str, entry: tuple[str, dict[str, float]]) -> Cell:
 
 
 def notes(study: Study) -> Section | None:
-    """What is reconstructed, inferred or assumed, in the words of the study."""
+    """Section of notes: reconstructed, inferred or assumed values, in the words of the study."""
     return PAGE.section("notes", notes=list(study.notes)) if study.notes else None

@@ -53,7 +53,7 @@ def answers(study: Study, stored: Stored) -> Iterator[Answered]:
 
 
 def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
-    """What is not validated, then a sentence on each question; nothing for a study without studs.
+    """Summary of studs: what is not validated, then a sentence on each question; may be empty.
 
     A usual stud by the code, the formula to take, unseen tests, what is left after damage, laws.
     """
@@ -113,7 +113,7 @@ def _formula(each: Answered) -> dict[str, Any]:
 
 
 def _predictions(every: list[Answered]) -> dict[tuple[str, str, str], list[tuple[str, list[str]]]]:
-    """What a computation leaves of a stud after damage, by damage, its measure and the stud."""
+    """Predicted rest of a stud after damage, by damage, its measure and the stud."""
     shares: dict[tuple[str, str, str], list[tuple[str, list[str]]]] = {}
     for each in every:
         curve, texts = each.tables["curve"], []

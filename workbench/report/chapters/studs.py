@@ -132,7 +132,7 @@ def _shown(tables: Tables) -> Tables:
 
 
 def _left_table(tables: Tables, graded: bool) -> Table | None:
-    """What is left after damage at some levels, with the grade of the evidence.
+    """Table of the rest after damage at some levels, with the grade of the evidence.
 
     One grade of all stands once where the page is `graded`.
     """

@@ -1,4 +1,4 @@
-"""What the gates say."""
+"""Verdicts of the gates."""
 
 from collections.abc import Iterable
 from math import inf
@@ -65,7 +65,7 @@ def summary_table(rows: list[Row]) -> tuple[Block, ...]:
 
 
 def reasons(rows: list[Row], *, bounds: bool) -> tuple[Block, ...]:
-    """What keeps gates from passing and, with `bounds`, why they ask that: once for all alike."""
+    """Reasons against a pass and, with `bounds`, why gates ask that: once for all alike."""
     texts = [(reason, row["number"]) for row in rows for reason in row["reasons"]]
     why = [(f"{row['rationale']} {cited(row['source'])}".strip(), row["number"]) for row in rows]
     return PAGE.blocks("reasons", open_cases=_by_gates(texts), bounds=_by_gates(why) * bounds)

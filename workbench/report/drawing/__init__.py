@@ -1,1 +1,1 @@
-"""What the figures of a report share: style, sheets, symbols of structures, deformed shapes."""
+"""Drawing, common parts of figures of a report: style, sheets, symbols, deformed shapes."""

@@ -1,4 +1,4 @@
-"""What the figures of studs share: tables of stored answers, tests as tables and as markers."""
+"""Figures of studs, common parts: tables of stored answers, tests as tables and as markers."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any

@@ -75,7 +75,7 @@ def _scatter_panel(panel: Axes, tests: pd.DataFrame, looks: dict[str, Look], top
 
 
 def _scatter_summary(label: str, tables: Tables) -> tuple[str, str]:
-    """What stands in the panel, and the sentence below the figure."""
+    """Text in the panel, and the sentence below the figure."""
     fit = tables["fit"].iloc[0]
     if "bias" not in fit:
         scatter = number(fit["scatter_of_strength"], 2)

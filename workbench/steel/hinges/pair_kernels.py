@@ -151,7 +151,7 @@ def _slope(end, r, N, power, rest, m):
 
 @njit(cache=True, error_model="numpy")
 def _push_at_axis(end, M, r):
-    """What a hinge at its plastic moment pushes on N = 0, and its curvature there."""
+    """Push of a hinge at its plastic moment at N = 0, and its curvature there."""
     slope = abs(M) / (end.alpha * end.Np)
     push = slope * abs(r) if end.beta == 1.0 else 0.0
     if end.beta < 2.0:

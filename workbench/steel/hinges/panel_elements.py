@@ -157,7 +157,7 @@ def project_condensed(panel, e, forces, tangent, flow):
 
 @njit(cache=True, error_model="numpy")
 def _by_angle(panel, e, forces, tangent, flow):
-    """As `project_condensed`, safely: the angle d in a bracket, with `project_panel` inside.
+    """Solve `project_condensed` safely: the angle d in a bracket, with `project_panel` inside.
 
     The sum of the moments changes sign between the rotations of the ends, and V has the sign of d.
     """

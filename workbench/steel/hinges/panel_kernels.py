@@ -56,7 +56,7 @@ class Panel(NamedTuple):
 
 
 class Point(NamedTuple):
-    """What holds at (N, a, d).
+    """Response of a panel at (N, a, d).
 
     `capacity` C, C_N, C_a; `moments` of both ends and their plastic `rotations`; `slopes` p of the
     moments with C; `block` B_11, B_14, B_44, their stiffness at fixed C; `shear` V, dV/da;

@@ -1,4 +1,4 @@
-"""What feels the strain rate: a plastic hinge in closed form, and bars that flow at their points.
+"""Strain rate in yielding: a plastic hinge in closed form, and bars that flow at their points.
 
 Along a straight moment diagram from mu M_p to zero over a distance L, only the sections with more
 than M_p flow, each at the rate of its overstress (Cowper and Symonds). The integral of their

@@ -30,7 +30,7 @@ _SHORT = 0.25  # share of a step
 
 @njit(cache=True, error_model="numpy")
 def of_one_body(law, n, m, time, grown, firm):
-    """As `of_two_bodies`, of a section that is rigid in shear and has grown by lambda."""
+    """Flow as in `of_two_bodies`, of a section that is rigid in shear and has grown by lambda."""
     g, (g_n, g_m), (nn, nm, mm) = gauge(law, n, m, firm)
     phi, slope, work = flow_at(law, law.whole, g - 1.0 - law.whole.hardening * grown, time)
     nn = slope * g_n * g_n + phi * nn

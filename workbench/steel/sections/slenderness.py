@@ -156,7 +156,7 @@ TESTED = {"h/t_w": (20.0, 55.0), "b/2t_f": (4.0, 8.0), "f_y/MPa": (240.0, 450.0)
 
 
 def tested_ratios(section: Section, steel: Steel) -> dict[str, float]:
-    """What the capacity of an I section in cyclic tests hangs on, by the names of `TESTED`."""
+    """Ratios behind the capacity of an I section in cyclic tests, by the names of `TESTED`."""
     p = plates_of(section)
     ratios = p.web / p.web_thickness, 0.5 * section.width / p.flange_thickness
     return dict(zip(TESTED, (*ratios, steel.yield_stress / 1e6), strict=True))

@@ -116,7 +116,7 @@ class MechanicalFit:
 
     @property
     def basis(self) -> str:
-        """What the model was calibrated on, in one sentence."""
+        """Basis of the calibration of the model, in one sentence."""
         campaigns = ", ".join(sorted(self.identity.campaigns))
         tests = f"{len(self.rows)} undamaged push-outs of {campaigns}"
         return f"mechanical model calibrated on {tests}, which are {self.studs} different studs"
@@ -131,7 +131,7 @@ class MechanicalFit:
         return _compare(rows, _predictions(rows, self.around))
 
     def summary(self) -> dict[str, Any]:
-        """What it was calibrated on, and the scatter there: one row of a table."""
+        """Summary of the calibration, and the scatter there: one row of a table."""
         scatter = {f"scatter_of_{name}": value for name, value in self.scatter.items()}
         return {**counted(self.rows), "studs": self.studs, "basis": self.basis, **scatter}
 

@@ -76,7 +76,7 @@ def numerical_term(value: float, width: float | None) -> Term:
 
 
 def varied_term(name: str, value: float, answers: Sequence[float | None], source: str) -> Term:
-    """What a varied input does: the `answers` at both ends of its range around `value`.
+    """Term of a varied input, from the `answers` at both ends of its range around `value`.
 
     An infinite answer is a collapse, None no answer.
     """
@@ -103,7 +103,7 @@ def _joined(terms: Sequence[Term], side: str) -> float:
 
 
 def model_form(error: Mapping[str, Any], quantity: str, value: float) -> Term:
-    """What the `error` to expect of an answer, by fields of `ExpectedError`, leaves open in it.
+    """Term of the model form, from the `error` to expect of an answer (fields of `ExpectedError`).
 
     Of the peak the error is expected, of the residual displacement `value` the ends are known.
     """

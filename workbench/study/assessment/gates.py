@@ -54,7 +54,7 @@ class Gate:
 
     @property
     def name(self) -> str:
-        """What the gate asks, in one line."""
+        """Sentence of the gate: model, reference, metric and quantity."""
         if self.model == self.against:
             return f"{self.model}: {self.metric} of {self.quantity}"
         return f"{self.model} against {self.against}: {self.metric} of {self.quantity}"
@@ -103,7 +103,7 @@ class CaseVerdict:
 
     @property
     def remark(self) -> str:
-        """What there is to say of the case besides a number within or beyond the bound."""
+        """Remark on the case besides a number within or beyond the bound."""
         if self.doubt:
             return self.doubt
         if self.verdict in (Verdict.PASS, Verdict.FAIL):
@@ -163,7 +163,7 @@ class GateVerdict:
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """What its numbers do not say: collapse, and what else keeps the gate from passing."""
+        """Reasons beside numbers: collapse, and all else that keeps the gate from passing."""
         if not self.cases:
             return ("the study asks no case of both sides",)
         kinds: dict[str, list[CaseVerdict]] = {what: [] for what in (*_OPEN, _DIFFERENT, _ALIKE)}

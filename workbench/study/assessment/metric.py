@@ -1,4 +1,4 @@
-"""What a metric is: a number with a meaning, a range, a perfect value and a source.
+"""Metrics: each is a number with a meaning, a range, a perfect value and a source.
 
 A metric is computed of what its scope says (`Pair`, `Common`, `Curves`, `Run`); `sides` makes that
 of two responses, once for all metrics of a scope.
@@ -23,7 +23,7 @@ Spread = Callable[[float, float, float, float], float | None]
 
 
 class Scope(StrEnum):
-    """What a metric compares, and so what it is computed of."""
+    """Scope of a metric: the part of two responses that it is computed of."""
 
     SCALAR = "scalar"  # `Pair`
     HISTORY = "history"  # `Common`
@@ -64,7 +64,7 @@ class Run(NamedTuple):
 
 
 class Swap(StrEnum):
-    """What happens to a metric when response and reference change places."""
+    """Effect on a metric when response and reference change places."""
 
     NOTHING = "nothing in particular"
     SAME = "the same value"
@@ -152,7 +152,7 @@ def metric(title: str, scope: Scope, citation: str, **more: Any) -> Callable[[Co
 def sides(
     scope: Scope, response: Response, reference: Response, quantity: str
 ) -> Pair | Common | Curves | Run:
-    """What metrics of a scope are computed of, made of two responses.
+    """Input of the metrics of a scope, made of two responses.
 
     Raises `InputError` if a side does not know the quantity, as a scalar, history or curve, or if
     two histories do not overlap.

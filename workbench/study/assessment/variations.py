@@ -1,4 +1,4 @@
-"""What a budget of an answer takes: the varied scenarios, and its terms from their answers.
+"""Variations for a budget of an answer: the varied scenarios, and its terms from their answers.
 
 Inputs are varied one at a time, both ways. What is not known of the strain rate is how sensitive
 the steel is: the reference rate D of its law, between the ends of 90 % of the steels. Where the
@@ -203,7 +203,7 @@ def _rated(name: str) -> str:
 
 
 def _rate_term(law: CowperSymonds, value: float, answers: Sequence[float | None]) -> Term:
-    """What the rate law of the steel leaves open, by the `answers` at both ends of its D."""
+    """Term that the rate law of the steel leaves open, by the `answers` at both ends of its D."""
     if law.slow is None or law.fast is None:
         text = "the 90 % interval of D is not given (D_range)"
         return Term(RATE, text, "", 0.0, None, None)

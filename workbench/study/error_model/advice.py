@@ -87,7 +87,7 @@ def advise(model: Model, scenario: Any, response: Response | None = None) -> lis
 
 
 def advised(model: Model, scenario: Any, response: Response) -> Response:
-    """The same response, which now carries the advice on it, and the error to expect as JSON."""
+    """Put advice and the error to expect (JSON) on a response, and return it."""
     findings, error = _advised(model, scenario, response)
     set_findings(response, findings)
     response.attrs["error"] = json.dumps(error.as_dict())
@@ -229,7 +229,7 @@ def doubts(name: str, scenario: Any) -> tuple[str, ...]:
 
 
 def _beforehand(model: Model, scenario: Any) -> list[Finding]:
-    """What is said before a model answers, and whether the reference would shear too far.
+    """Findings known before a model answers, and whether the reference would shear too far.
 
     A striker that crushes takes the energy that would do it. Of a push also whether the anchor
     leaves out much yielding between hinges.
@@ -251,7 +251,7 @@ def _beforehand(model: Model, scenario: Any) -> list[Finding]:
 
 @lru_cache(maxsize=64)
 def _spread(scenario: Any) -> tuple[Finding, ...]:
-    """What a run of the anchor says of yielding between hinges."""
+    """Findings on yielding between hinges, by a run of the anchor."""
     response = make_model(ANCHOR).simulate(scenario)
     return tuple(each for each in findings_of(response) if each.subject == SPREAD)
 

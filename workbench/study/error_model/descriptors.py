@@ -79,7 +79,7 @@ def features(scenario: ColumnImpact) -> dict[str, float]:
 
 
 def rate_features(scenario: ColumnImpact) -> dict[str, float]:
-    """Those of the column with one factor on the yield stress, and the factor, of a rate law."""
+    """Features of the column with one factor on the yield stress, and the factor, of a rate law."""
     factor = rate_factor(scenario, shear_yields=True)
     return {**features(stronger(scenario, factor)), FACTOR: factor}
 
@@ -109,7 +109,7 @@ def pulse_features(scenario: MemberPulse) -> dict[str, float]:
 
 
 def frame_features(scenario: FrameImpact) -> dict[str, float]:
-    """Those of the struck column as its frame holds it, and the `members`, by `FRAME_FEATURES`.
+    """Features of the struck column as its frame holds it, and the `members`, by `FRAME_FEATURES`.
 
     Raises `OutOfDomainError` for what was not drawn: hits on no column, joints that turn, springs.
     """

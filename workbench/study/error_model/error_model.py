@@ -112,7 +112,7 @@ def anchor_error(scenario: Any) -> ExpectedError:
 
 
 def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> ExpectedError:
-    """That of the size of the peak `answer` (m); the `anchor` has this peak (None: run it)."""
+    """Error of the size of the peak `answer` (m); the `anchor` has this peak (None: run it)."""
     table = table_of(scenario)
     if table is None:
         return ExpectedError(ANCHOR, reason=f"errors of {scenario.KIND} were not measured")
@@ -156,7 +156,7 @@ def chance_beyond(errors: Array) -> Any:
 
 @lru_cache(maxsize=256)  # every model of a study asks for the same scenario
 def truth_ratio(scenario: Any) -> TruthRatio:
-    """What is known of ln(truth / anchor) of a scenario before it is answered.
+    """Ratios ln(truth / anchor) known of a scenario before it is answered.
 
     Of a scenario that has a table; with what the finest reference says of the reference.
     """
@@ -227,7 +227,7 @@ class Reached(NamedTuple):
 
 @lru_cache(maxsize=256)
 def _anchor(scenario: Any) -> Reached:
-    """That of the anchor, NaN where it has none."""
+    """Displacements of the anchor, NaN where it has none."""
     return reached(make_model(_table(scenario).anchor).simulate(scenario))
 
 

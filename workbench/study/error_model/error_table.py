@@ -57,7 +57,7 @@ class LocalMean:
         self._off = cut - sides @ self._line
 
     def at(self, point: Array) -> float:
-        """What is expected at a point (k,); measured ones at this very point are left out."""
+        """Expected value at a point (k,); measured ones at this very point are left out."""
         place = self._standard(point)
         distances = np.linalg.norm(self._places - place, axis=1)
         distances[distances == 0.0] = np.inf
@@ -132,7 +132,7 @@ class ErrorTable:
         return rests
 
     def _beyond(self, values: Any) -> Any:
-        """What errors are in proportion to, of features or of all rows; no less than was drawn."""
+        """Scale of errors, by features or of all rows; no less than was drawn."""
         if not self.factor:
             return 1.0
         least = self.rows[self.factor][~np.isnan(self.ratios)].min()

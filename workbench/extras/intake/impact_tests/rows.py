@@ -65,7 +65,7 @@ def scenario_of(row: Row) -> ColumnImpact:
 
 
 def _contradictions(row: Row) -> Iterator[RowFinding]:
-    """What cannot be within a row whose cells are possible one by one."""
+    """Contradictions within a row whose cells are possible one by one."""
     span, hit = known(row, "span_m") or 0.0, known(row, "hit_at_m") or 0.0
     if hit >= span:
         yield "hit_at_m", hit, f"must be less than the span, {span:g} m", "are columns swapped?"
@@ -139,7 +139,7 @@ class ImpactTest:
 
     @property
     def name(self) -> str:
-        """What a case of this test is called."""
+        """Name of a case of this test."""
         more = len(self.names) - 1
         return f"{self.names[0]} and {more} equal" if more else self.names[0]
 

@@ -33,7 +33,7 @@ _NUMBERS = ("span_m", "hit_at_m", "axial_load_N", "mass_kg", "velocity_m_per_s",
 
 
 def suspicions(rows: pd.DataFrame) -> list[Finding]:
-    """What looks wrong in a table of impact tests, one finding per suspicion."""
+    """Findings on implausible rows of a table of impact tests, one per suspicion."""
     campaigns = {str(name): list(records(of)) for name, of in rows.groupby("campaign", sort=False)}
     copied = (finding("same-test", first=a, second=b) for a, b in same_contents(rows))
     return [

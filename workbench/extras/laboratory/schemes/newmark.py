@@ -150,7 +150,7 @@ class _Sprung:
         return mean, np.where(crossing, (mean + self.stiffness * x1) / moved, slope)
 
     def mean_forces(self, q0: Array, q1: Array) -> tuple[Array, Array]:
-        """As in `System`: of the trapezoidal rule, less the springs."""
+        """Mean forces of the trapezoidal rule as in `System`, less the springs."""
         (f1, K), (push, slope), W = self.system.forces(q1), self.push(q1), self.system.normals
         return 0.5 * (self.force + f1) - W @ push, 0.5 * K + W * slope @ W.T
 

@@ -224,7 +224,7 @@ def _range(text: str) -> tuple[float, float]:
 
 
 def struck(scenario: Any) -> Any:
-    """The same scenario, which must have an impact velocity."""
+    """Return the scenario unchanged if it has an impact velocity, else raise `InputError`."""
     if not hasattr(scenario, "at_velocity"):
         text = "has no impact velocity"
         raise InputError("kind", scenario.KIND, text, "take column-impact or frame-impact")
@@ -314,7 +314,7 @@ def _banded(band: Iterable[float], middle: str) -> dict[str, Cell]:
 
 
 def _costs(result: Fragility) -> Table:
-    """What each part of the band is, and costs."""
+    """Table of the parts of the band: width, runs and seconds of each."""
     curve, seconds, runs = result.curve, result.seconds, result.runs
     widened = curve.half_width - result.curve_without.half_width
     widths = {

@@ -170,7 +170,7 @@ def sensitivity(
     settings: Settings = None,
     options: Options = None,
 ) -> Answer:
-    """What an answer depends on: Sobol indices.
+    """Sobol indices: on which inputs an answer depends.
 
     First and total indices of the uncertain inputs: of the answer given survival, and of having no
     such answer (collapse, refusal, failure), with intervals of 90 %. Exit status 0, 2 for bad

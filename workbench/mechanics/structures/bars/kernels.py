@@ -36,7 +36,7 @@ LEAST = 1e-6  # of the strength of a worn hinge, which then is a pin
 
 
 class Flow(NamedTuple):
-    """What follows from an axial force: the `gap` of the elongation, and what makes it.
+    """Flow at an axial force: the `gap` of the elongation, and the values that make it.
 
     Moments, plastic rotations r, bending elongation `bow` and `push` of both hinges (slope of the
     capacity by N times |r|), slopes `a1`, `a4` of the yield conditions by N.

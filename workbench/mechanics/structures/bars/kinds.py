@@ -232,7 +232,7 @@ class FiberBarState(NamedTuple):
 
 
 class FiberBarTables(NamedTuple):
-    """What the kernels take besides bars and states.
+    """Tables for the kernels besides bars and states.
 
     `xi`, `weights` and `elastic` (e, points) of the rule; `lengths` (e,); `rest` (e, 3, 3),
     flexibility of joints and shear; `pinned` (e, 2); `scale` (e, 2) of N and M; `modulus`, `area`,

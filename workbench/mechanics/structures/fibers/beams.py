@@ -73,7 +73,7 @@ class Points(NamedTuple):
 
 
 def gauss_rule(points: int = 2) -> Points:
-    """The same Gauss-Legendre points in every element."""
+    """Gauss-Legendre points, alike in every element."""
     abscissae, weights = np.polynomial.legendre.leggauss(points)
     return Points(0.5 * (1.0 + abscissae), 0.5 * weights)
 

@@ -160,7 +160,7 @@ class HingeTables(NamedTuple):
 
 
 def scratch(elements: int, flows: int = 5) -> tuple[Array, ...]:
-    """What the kernels need room for: of all elements tangents and chords, else of one."""
+    """Scratch arrays for the kernels: of all elements tangents and chords, else of one."""
     shapes = (elements, 3, 3), (7, 4), (3,), (3,), (flows,), (elements, 5)
     return tuple(np.empty(shape) for shape in shapes)
 

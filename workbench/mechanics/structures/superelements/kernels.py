@@ -59,7 +59,7 @@ def _on_surfaces(e, hinges, trial, forces, k, flow):
 
 @njit(cache=True, error_model="numpy")
 def _at_rate(e, time, hinges, plastic, trial, forces, k, flow):
-    """As `_on_surfaces`, of a bar that flows point by point for a `time` (s).
+    """Solve as `_on_surfaces` does, a bar that flows point by point for a `time` (s).
 
     Its moment M_1 is the internal one with its sign turned, so is V. Hinges share the elongation.
     """

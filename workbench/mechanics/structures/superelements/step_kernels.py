@@ -25,7 +25,7 @@ LARGEST_TURN = 0.03  # rad of a node in an iteration; beyond it a spring holds i
 
 
 class Body(NamedTuple):
-    """What does not change: the structure and where the striker hits it.
+    """Body that does not change in a run: the structure and where the striker hits it.
 
     `bars` and `hinges` of all elements; flat bands of the `mass` with half-bandwidth `width`;
     `held` dofs; dead `load` (dofs,); springs to the ground: `spring_dofs`, and `springs` (s, 2) of
@@ -51,7 +51,7 @@ class Body(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """What moves: committed `x`, `v` and momentum M v (dofs,), states of the elements.
+    """Motion: committed `x`, `v` and momentum M v (dofs,), states of the elements.
 
     `old` is committed, `new` the trial; mean `rate` (dofs,) of the last step, how that has changed
     since the one before, `slope`, and is expected to change, `trend`, both per time; `lasted` (1,),

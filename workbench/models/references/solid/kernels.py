@@ -34,7 +34,7 @@ class Elements(NamedTuple):
 
 
 class State(NamedTuple):
-    """What has come of the points.
+    """State of the points.
 
     `plastic` strain (elements, points, 3), equivalent plastic strain `hardened` (elements, points),
     Biot `stress` without squeeze guard (Pa) and `strain`, both as `plastic`.

@@ -56,7 +56,7 @@ class Stretched(NamedTuple):
 
 
 class Returned(NamedTuple):
-    """What the return mapping finds.
+    """Result of the return mapping.
 
     `stress`; multiplier `gamma`, 0 where elastic, NaN where the iteration does not converge; the
     step of plastic strain `flow` and the equivalent plastic strain `hardened` at its end.

@@ -178,7 +178,7 @@ class SolidPlaneStress(Declared, table="option"):
 
 
 class _States:
-    """What is read off the committed states of a `solid`, one column for each number."""
+    """Numbers of the committed states of a `solid`, one column for each."""
 
     def __init__(self, solid: SolidAssembly) -> None:
         self.solid, self._plastic_before = solid, solid.dissipated
@@ -290,7 +290,7 @@ def _strike(scenario: ColumnImpact, solid: SolidAssembly, step: float) -> Respon
 def localisation(
     path: Array, strains: Array, areas: Array, hardening_ratio: float
 ) -> list[Finding]:
-    """What the mesh decides about: forces once kinks form, everything once they fold up.
+    """Findings where the mesh decides: on forces once kinks form, on everything once they fold up.
 
     Arguments: displacements `path` (steps,) in m; largest strain, and smallest share of its area
     that a point keeps, in the states there (steps,).
@@ -308,7 +308,7 @@ def localisation(
 
 
 def _values(section: Section, steel: Steel) -> dict[str, float]:
-    """What the meshed section comes to, by the names of its overrides."""
+    """Properties of the meshed section, by the names of its overrides."""
     return {
         "area": section.area,
         "second_moment": section.second_moment,

@@ -1,0 +1,137 @@
+"""Reference pages from the declarations: inputs of scenarios, options of models, columns of tables.
+
+`python docs/reference/generate.py` writes them beside this file; a test compares them with it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import io
+import json
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+from workbench.base.fields import Instance, Many, path_of
+from workbench.cli import run
+from workbench.extras.intake.impact_tests.rows import IMPACTS
+from workbench.responses.variables import COORDINATES, VARIABLES
+from workbench.scenarios.files import KINDS
+from workbench.studs.schema import POINTS, TESTS, Table
+
+Row = tuple[str, ...]
+
+
+def _table(heads: str, rows: Iterable[Row]) -> str:
+    names = heads.split(", ")
+    lines = [names, ["---"] * len(names), *rows]
+    return "".join(f"| {' | '.join(cell.replace('|', '/') for cell in line)} |\n" for line in lines)
+
+
+def _values(rule: Any) -> str:
+    return str(rule.allowed()).removeprefix("must be ")
+
+
+def _default(value: Any) -> str:
+    if value is dataclasses.MISSING:
+        return "needed"
+    return "" if value is None else f"`{json.dumps(value)}`"
+
+
+def _keys(kind: Any, array: str = "") -> Iterator[tuple[str, Row]]:
+    """Keys of a declared class as a file has them: table, then key, values, default, meaning."""
+    for field in dataclasses.fields(kind):
+        rule = field.metadata["rule"]
+        item = rule.item if isinstance(rule, Many) else rule
+        table, _, key = (field.name if array else path_of(field, kind.TABLE)).rpartition(".")
+        if isinstance(item, Instance) and not item.read:
+            listed = f"[[{key}]]" if item is not rule else ""
+            yield from _keys(item.form or item.kind, listed)
+        else:
+            values = "see the guide" if isinstance(rule, Instance) else _values(rule)
+            meaning = field.metadata["help"]
+            yield array or table, (f"`{key}`", values, _default(field.default), meaning)
+
+
+def inputs() -> str:
+    """Page of the keys of scenario files."""
+    places: dict[str, dict[Row, list[str]]] = {}
+    tables: dict[str, list[str]] = {}
+    for name, kind in KINDS.items():
+        for place, row in _keys(kind):
+            head = place if place.startswith("[") else f"[{place}]" if place else "top"
+            places.setdefault(head, {}).setdefault(row, []).append(name)
+            if head not in tables.setdefault(name, []):
+                tables[name].append(head)
+    text = "# Keys of scenario files\n\nThe tables that each kind of scenario may have.\n\n"
+    rows = ((f"`{name}`", ", ".join(f"`{each}`" for each in has)) for name, has in tables.items())
+    text += _table("kind, tables", rows)
+    for place, keys in places.items():
+        holders = list(dict.fromkeys(name for names in keys.values() for name in names))
+        lines = (
+            (*row, "" if names == holders else ", ".join(names)) for row, names in keys.items()
+        )
+        text += f"\n## `{place}`\n\n" + _table("key, values, default, meaning, in", lines)
+    return text
+
+
+def options() -> str:
+    """Page of the models and their options."""
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        run(["models", "--json"])
+    models = json.loads(printed.getvalue())["models"]
+    taken: dict[tuple[str, str, str], list[str]] = {}
+    for model in models:
+        for name, default in model["options"].items():
+            key = f"`{name}`", _default(default), model["meanings"][name]
+            taken.setdefault(key, []).append(f"`{model['name']}`")
+    heads = ((f"`{m['name']}`", m["title"], ", ".join(m["answers"])) for m in models)
+    rows = ((*key, ", ".join(names)) for key, names in sorted(taken.items()))
+    return (
+        "# Models and their options\n\n`workbench models NAME` prints one of them in full.\n\n"
+        + _table("model, what it is, answers", heads)
+        + "\n## Options\n\nSet with `--option name=value`, or as arguments of `wb.make_model`.\n\n"
+        + _table("option, default, meaning, models", rows)
+    )
+
+
+def _columns(table: Table) -> str:
+    rows = (
+        (
+            f"`{each.name}`{' (must exist)' if each.filled else ''}",
+            each.meaning,
+            "0 or 1"
+            if getattr(each.rule, "integer", False) and each.rule.high == 1
+            else _values(each.rule),
+            each.default,
+        )
+        for each in table.columns
+    )
+    return _table("column, meaning, values, default", rows)
+
+
+def columns() -> str:
+    """Page of the columns of tables and of the variables of responses."""
+    rows = (
+        (f"`{name}`", each.long_name, each.units, ", ".join(each.dims))
+        for name, each in (COORDINATES | VARIABLES).items()
+    )
+    return (
+        "# Columns of tables, variables of responses\n\n## Tests on studs\n\n"
+        + _columns(TESTS)
+        + "\n## Points of load-slip curves\n\n"
+        + _columns(POINTS)
+        + "\n## Tests of impacts\n\n"
+        + _columns(IMPACTS)
+        + "\n## Responses\n\n"
+        + _table("variable, meaning, unit, dimensions", rows)
+    )
+
+
+PAGES = {"inputs": inputs, "options": options, "columns": columns}
+
+if __name__ == "__main__":
+    for name, page in PAGES.items():
+        Path(__file__).with_name(f"{name}.md").write_text(page(), encoding="utf-8")
