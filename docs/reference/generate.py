@@ -30,6 +30,8 @@ def _table(heads: str, rows: Iterable[Row]) -> str:
 
 
 def _values(rule: Any) -> str:
+    if getattr(rule, "integer", False) and (rule.low, rule.high) == (0, 1):
+        return "0 or 1"
     return str(rule.allowed()).removeprefix("must be ")
 
 
@@ -102,9 +104,7 @@ def _columns(table: Table) -> str:
         (
             f"`{each.name}`{' (must exist)' if each.filled else ''}",
             each.meaning,
-            "0 or 1"
-            if getattr(each.rule, "integer", False) and each.rule.high == 1
-            else _values(each.rule),
+            _values(each.rule),
             each.default,
         )
         for each in table.columns
