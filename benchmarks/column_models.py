@@ -35,7 +35,6 @@ MODELS = {
     "4-DOF": (FourDof(), 20),
     "4-DOF with panels": (FourDofShear(), 20),
     "energy with panels": (EnergyEstimate(resistance="panel"), 10),
-    "4-DOF explicit": (FourDof(integrator="moreau"), 20),
     "rigid superelement": (RigidSuperelement(), 20),
     "flexible superelement": (FlexibleSuperelement(), 20),
     "fiber coarse": (FiberCorotational(levels=1, refinement=-1), 3),

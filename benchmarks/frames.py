@@ -3,7 +3,7 @@
 The frame of Heng 2017, figure 5.13 (four bays, two storeys, squares of 0.2 m, 1500 kg at 50 m/s),
 followed for 0.05 s: superelements; the fiber reference at its own mesh, whose grid convergence
 index is 1.1 %, and at a cheaper one, 0.8 % off the extrapolated peak without proof of its own. Then
-solving alone, one rigid superelement per member: the compiled march against the plain driver, and
+solving alone, one rigid superelement per member: the compiled march
 against OpenSeesPy with one force-based element per member (five Lobatto points, 20 fibers,
 co-rotational), also with a hardening of 1e-3 E, with which it converges but stiffens the frame.
 Both in the setting that takes least time within 1 % of their own converged peak, as all finer ones
@@ -97,13 +97,10 @@ def timed(impact: FrameImpact, share: float) -> tuple[float, float]:
 
 
 def solving(impact: FrameImpact) -> None:
-    """Print what solving takes: the compiled march, the plain driver, OpenSeesPy."""
+    """Print what solving takes: the compiled march, OpenSeesPy."""
     compiled, rest = map(min, zip(*(timed(impact, 1.0 + 1e-6 * n) for n in range(60)), strict=True))
-    plain = BARS(integrator="gear-gupta-leimkuhler")
-    spent = min(plain.simulate(impact).attrs["solve_time"] for _ in range(3))
     print(f"\n{'rigid superelement, 0.1 %':<40}{1e3 * compiled:>11.3f} ms")
     print(f"{'on top of solving':<40}{1e3 * rest:>11.3f} ms")
-    print(f"{'plain driver, equal steps':<40}{1e3 * spent:>11.3f} ms, {spent / compiled:.1f} times")
     equal, by_error = partial(bars, impact, "time_step"), partial(bars, impact, "accuracy")
     base = min(
         cheapest("equal steps", equal, 5000, 20),

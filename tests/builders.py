@@ -7,14 +7,29 @@ import os
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+from workbench.mechanics.frames import structure
+from workbench.mechanics.frames.structure import FrameStructure
+from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.explicit import explicit_impact
+from workbench.mechanics.structures.time_steps import PointMass
 from workbench.models.base import Model
+from workbench.models.frame_model import as_frame
+from workbench.models.references.fiber import FiberReference
 from workbench.responses import Outcome, Response, outcome_of
-from workbench.scenarios import Frame, Joint, Load, regular_frame
+from workbench.scenarios import (
+    ColumnImpact,
+    Frame,
+    FrameImpact,
+    Joint,
+    Load,
+    regular_frame,
+)
 from workbench.steel.sections import Section, square
 
 SQUARE = square(0.2)
@@ -80,6 +95,28 @@ def absorbed(
     if softening * v > resistance:
         v = resistance / softening
     return (resistance - 0.5 * softening * v) * v
+
+
+def lumped(model: FiberReference, scenario: ColumnImpact | FrameImpact) -> FrameStructure:
+    """The structure of a fiber reference with its mass at the nodes."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(structure, "PlanarAssembly", partial(PlanarAssembly, lumped=True))
+        return model.structure(scenario)
+
+
+def explicit_peak(
+    model: FiberReference, scenario: ColumnImpact | FrameImpact
+) -> tuple[float, float]:
+    """Peak (m) and impulse (N s) of a fiber reference with lumped mass, by explicit steps."""
+    event, stood = as_frame(scenario), lumped(model, scenario)
+    dof, sign = stood.dof(event.striker.node, event.striker.direction)
+    start, peak, impulse = float(stood.assembly.displacement[dof]), 0.0, 0.0
+    spans = [(event.duration, 1e-4)]
+    striker = PointMass.of(scenario)
+    for step in explicit_impact(stood.assembly, dof, striker, spans, sign=sign):
+        peak = max(peak, sign * (float(stood.assembly.displacement[dof]) - start))
+        impulse += step.impulse
+    return peak, impulse
 
 
 def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], object]) -> Path:

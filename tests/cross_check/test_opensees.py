@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import opensees_columns as opensees
 import pytest
+from builders import lumped
 from threadpoolctl import threadpool_limits
 
-from workbench.mechanics.frames.structure import FrameStructure
 from workbench.mechanics.structures.impact import PointMass, impact
 from workbench.models.references.fiber_corotational import FiberCorotational
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
@@ -49,19 +49,13 @@ def scenario(request, thesis_impact, clamped_impact) -> ColumnImpact:
     return known[request.param]
 
 
-def ours(scenario, lumped: bool) -> tuple[FrameStructure, list[np.ndarray]]:
-    """The column, and its element lengths below and above the hit point."""
-    model = replace(MODEL, integrator="explicit") if lumped else MODEL
-    return model.structure(scenario), model.lengths(scenario)
-
-
 @pytest.mark.parametrize("scenario", NAMES, indirect=True)
 def test_static_force_displacement(scenario) -> None:
     pushed = ColumnPushover(scenario.name, scenario.column, displacement=0.3)
     response = MODEL.simulate(pushed)
     assert response.attrs["outcome"] == "ok"
     path = np.linspace(0.0, 0.3, 301)[1:]
-    _, lengths = ours(pushed, lumped=False)
+    lengths = MODEL.lengths(pushed)
     opensees.stand(scenario.column, np.concatenate(lengths), HARDENING)
     forces = opensees.push(len(lengths[0]) + 1, path)
     result = np.interp(path, response["displacement"].values, response["force"].values)
@@ -73,7 +67,7 @@ def test_static_force_displacement(scenario) -> None:
 @pytest.mark.parametrize("scenario", NAMES, indirect=True)
 def test_impact_history(scenario) -> None:
     """Up to the peak and a fifth beyond, while the contact lasts."""
-    structure, lengths = ours(scenario, lumped=True)
+    structure, lengths = lumped(MODEL, scenario), MODEL.lengths(scenario)
     assembly, hit = structure.assembly, structure.dof("hit", "x")[0]
     striker = PointMass(scenario.striker.mass, scenario.striker.velocity)
     values = []
@@ -93,7 +87,7 @@ def test_impact_history(scenario) -> None:
 @pytest.mark.parametrize("scenario", NAMES[:1], indirect=True)
 def test_the_spring_is_unstressed_under_the_axial_load(scenario) -> None:
     """Otherwise the restraint would hide a part of the axial load from the comparison."""
-    _, lengths = ours(scenario, lumped=False)
+    lengths = MODEL.lengths(scenario)
     head = opensees.stand(scenario.column, np.concatenate(lengths), HARDENING)
     opensees.ops.reactions()
     assert abs(opensees.ops.nodeReaction(opensees.SPRING, opensees.AXIS)) < 1e-6

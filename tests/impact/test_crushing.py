@@ -118,16 +118,12 @@ def test_a_striker_that_is_crushed_past_its_law_says_so(thesis_impact: ColumnImp
     assert past[0].number == pytest.approx(0.05 + work / 2e5, rel=0.03)
 
 
-@pytest.mark.parametrize(
-    "model",
-    ["biggs", "energy-estimate", "hand-estimate", "four-dof", "single-dof"],
-)
+@pytest.mark.parametrize("model", ["biggs", "energy-estimate", "hand-estimate"])
 def test_who_knows_rigid_strikers_only_refuses_in_one_line(
     model: str, thesis_impact: ColumnImpact
 ) -> None:
-    options = {"integrator": "moreau"} if model in ("four-dof", "single-dof") else {}
     impact = crushing_by(thesis_impact, stiffness=3e5)
-    response = make_model(model, options).simulate(impact)
+    response = make_model(model).simulate(impact)
     assert outcome_of(response).value == "out-of-domain"
     assert "rigid strikers only" in response.attrs["message"]
     assert "\n" not in response.attrs["message"]

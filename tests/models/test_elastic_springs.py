@@ -83,7 +83,7 @@ def test_shear_stands_in_series_at_midspan() -> None:
     # panels have the shear in their bars: the springs are then those of bending alone
     sliding, rigid = beam_springs(column, shear, sliding=True), beam_springs(column, RIGID)
     np.testing.assert_allclose(sliding, rigid, rtol=1e-9)
-    for model in (FourDof(), FourDofShear(web_depth="clear"), SingleDof(resistance="analytic")):
+    for model in (FourDof(), FourDofShear(), SingleDof(resistance="analytic")):
         push = model.simulate(ColumnPushover("push", column, 1e-5))
         value = float(push["force"][-1] / push["displacement"][-1])
         assert value == pytest.approx(1.0 / series, rel=0.03)  # the webs of panels are their own

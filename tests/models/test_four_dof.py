@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.mechanics.structures.kernels import solve_four
-from workbench.models.four_dof import FourDof, FourDofShear, kinematics, statics
+from workbench.models.four_dof import FourDof, FourDofShear, statics
 from workbench.models.superelements import RigidSuperelement
 from workbench.responses import (
     Outcome,
@@ -113,13 +113,14 @@ def test_four_equations_are_solved_with_pivots_where_they_need_them(shift: float
 @pytest.mark.parametrize(
     ("small", "sliding"),
     [
-        (False, kinematics.RIGID_IN_SHEAR),
-        (True, kinematics.RIGID_IN_SHEAR),
-        (False, kinematics.CHORD),
-        (False, kinematics.SECTION),
+        (False, False),
+        (True, False),
+        (False, True),
     ],
 )
-def test_tangent_equals_finite_differences_of_the_internal_forces(small: bool, sliding) -> None:
+def test_tangent_equals_finite_differences_of_the_internal_forces(
+    small: bool, sliding: bool
+) -> None:
     rng = np.random.default_rng(7)
     column, work = np.zeros(1, statics.COLUMN)[0], np.zeros(1, statics.WORK)[0]
     column["lengths"], column["stiffness"] = (0.8, 1.1), ((2.4e9, 1.27e8, 1.27e8),) * 2
@@ -146,9 +147,7 @@ def test_tangent_equals_finite_differences_of_the_internal_forces(small: bool, s
         )
         if np.max(np.abs(numeric - half)) > 2e-6 * 2.4e9:
             continue  # a kink lies within the step
-        # measured 2.4e-9, and 3.5e-8 where the rotation of sections is iterated
-        bound = 7e-8 if sliding == kinematics.SECTION else 1e-8
-        np.testing.assert_allclose(tangent, numeric, atol=bound * 2.4e9)
+        np.testing.assert_allclose(tangent, numeric, atol=1e-8 * 2.4e9)  # measured 2.4e-9
         checked += 1
     assert checked > 40
 
@@ -158,30 +157,6 @@ def test_static_energy_balance_is_that_of_the_trapezoidal_rule(thesis_impact) ->
     response = FourDof().simulate(push)
     error = np.abs(response["balance_error"]).max() / response["input_energy"]
     assert float(error) < 7e-7  # measured 3.6e-7
-
-
-def test_moreau_and_midpoint_agree(thesis_impact) -> None:
-    peaks = [
-        float(FourDof(integrator=name, time_step=1e-5).simulate(thesis_impact)["peak_displacement"])
-        for name in ("midpoint", "moreau", "gear-gupta-leimkuhler")
-    ]
-    np.testing.assert_allclose(peaks, peaks[0], rtol=3e-5)  # measured 1.4e-5
-
-
-def test_moreau_ledger_error_falls_with_the_step(thesis_impact) -> None:
-    errors = []
-    for step in (4e-5, 2e-5, 1e-5):
-        response = FourDof(integrator="moreau", time_step=step).simulate(thesis_impact)
-        errors.append(float(np.abs(response["balance_error"]).max() / response["input_energy"]))
-    slope = np.polyfit(np.log([4.0, 2.0, 1.0]), np.log(errors), 1)[0]
-    assert slope == pytest.approx(1.0, abs=0.03)  # measured 0.013
-    assert errors[-1] < 6e-4  # measured 3.1e-4
-
-
-def test_explicit_scheme_refuses_steps_above_its_limit(thesis_impact) -> None:
-    response = FourDof(integrator="moreau", time_step=4e-4).simulate(thesis_impact)
-    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
-    assert "stability limit" in response.attrs["message"]
 
 
 @st.composite
@@ -345,16 +320,13 @@ def test_steps_do_not_resolve_axial_vibrations_whatever_their_frequency(
         assert float(result[name]) == pytest.approx(float(expected[name]), rel=1e-5)  # 5.0e-6
 
 
-def test_steps_that_no_memory_holds_are_refused_with_what_to_do(
-    thesis_impact: ColumnImpact,
-) -> None:
-    light = replace(thesis_impact.column, head_mass=1e-9)
-    response = FourDof(integrator="moreau").simulate(replace(thesis_impact, column=light))
+def test_steps_that_no_memory_holds_are_refused_with_what_to_do(thesis_impact) -> None:
+    response = FourDof(time_step=1e-8).simulate(thesis_impact)
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
     (finding,) = (result for result in findings_of(response) if result.refusal)
-    assert finding.subject == "steps"
+    assert finding.subject == "time-step"
     assert finding.number > 1e6
-    assert "column.head_mass" in finding.remedy
+    assert "increase it" in finding.text
 
 
 TOUCHED = [FourDof(), FourDofShear(), *(RigidSuperelement(elements=n) for n in (1, 3, 4))]

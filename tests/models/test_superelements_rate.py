@@ -116,7 +116,7 @@ def test_frames_by_bars_and_by_one_factor() -> None:
 
 @pytest.mark.parametrize("kind", MODELS)
 def test_options_that_bars_do_not_know(kind: str) -> None:
-    for name, value in (("alpha", 1.3), ("beta", 1.3), ("integrator", "moreau")):
+    for name, value in (("alpha", 1.3), ("beta", 1.3)):
         with pytest.raises(InputError, match=f"{name} = .* is not known with rate_level = bars"):
             replace(MODELS[kind], **{name: value})
 

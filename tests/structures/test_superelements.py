@@ -61,7 +61,7 @@ def test_tangent_by_finite_differences(variant, weight, size):
         assembly, group = moving(variant)
         x = random_state(assembly, rng, size * SCALE)
         assembly.begin_step(2e-4)
-        group.turn_with(assembly.displacement, np.resize(rng.normal(size=2), assembly.size))
+        group.states[0].rate[:] = rng.normal(size=2)
         assembly.assemble(x, weight)
         exact = full_tangent(assembly)
         scale = np.abs(exact).max()
@@ -93,7 +93,7 @@ def test_work_of_the_step_is_stored_dissipated_or_kinetic(variant, seed, weight,
     assembly, group = moving(variant)
     end = random_state(assembly, rng, size * SCALE)
     start = assembly.displacement.copy()
-    group.turn_with(start, np.resize(rng.normal(size=2), assembly.size))
+    group.states[0].rate[:] = rng.normal(size=2)
     assembly.assemble(start, weight)
     stored = assembly.account(start, weight).stored
     spin = group.kinetic_energy()
@@ -348,7 +348,7 @@ def test_state_is_kept_on_commit_only():
         rng = np.random.default_rng(9)
         assembly, group = moving("rigid 1/1.3")
         x = random_state(assembly, rng, SCALE)
-        group.turn_with(assembly.displacement, np.resize(rng.normal(size=2), assembly.size))
+        group.states[0].rate[:] = rng.normal(size=2)
         if spoiled:
             assembly.begin_step(1e-3)
             assembly.assemble(x + 0.5, 0.5)
@@ -376,15 +376,14 @@ def test_masses_are_consistent_for_translations():
 def test_rotary_inertia_of_the_initial_chord_is_in_the_mass_matrix():
     """J z z^T: the kinetic energy that the nonlinear form has while the chord is where it was."""
     velocity = np.random.default_rng(3).normal(size=9)
+    normal, v = np.array([-np.sin(0.4), np.cos(0.4)]), velocity.reshape(3, 3)[:, :2]
+    rates = np.diff(v, axis=0) @ normal / [0.8, 1.3]
     energies = {}
     for inertia in ("none", "linear", "nonlinear"):
         assembly, group = chain([0.8, 1.3], angle=0.4, mass=71.4, inertia=inertia)
-        group.turn_with(assembly.displacement, velocity)
+        group.states[0].rate[:] = rates
         energies[inertia] = assembly.kinetic_energy(velocity)
     assert energies["linear"] == pytest.approx(energies["nonlinear"], rel=1e-12)
-    normal = np.array([-np.sin(0.4), np.cos(0.4)])
-    v = velocity.reshape(3, 3)[:, :2]
-    rates = np.diff(v, axis=0) @ normal / [0.8, 1.3]
     inertia = 71.4 * EI / EA * np.array([0.8, 1.3])
     assert energies["linear"] - energies["none"] == pytest.approx(0.5 * inertia @ rates**2)
 

@@ -28,7 +28,6 @@ EQUAL = {"time_step": 5e-5}  # s at the scale of 1: steps by error follow round-
 REDUCED = (
     *(("single-dof", {"resistance": law}) for law in ("analytic", "cubic", "linear", "panel")),
     *(("soft-impact", {"striker_stiffness": 2e7, "crush_force": force}) for force in (None, 6e5)),
-    ("single-dof", {"integrator": "moreau"}),
     *((name, {}) for name in ("four-dof", "four-dof-shear", "energy-estimate")),
     *((name, EQUAL) for name in ("rigid-superelement", "flexible-superelement")),
     ("rigid-superelement", {"elements": 2, "inertia": "linear", **EQUAL}),

@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
 from workbench.base.arrays import Array
 from workbench.base.fields import Choice, Number, checked
 from workbench.mechanics.frames.elastic import Spans, spans_to, time_to_peak, wave_times
@@ -19,7 +17,6 @@ from workbench.mechanics.frames.superelements import (
     struck_parts,
 )
 from workbench.mechanics.structures.elements import HingedElements
-from workbench.mechanics.structures.impact import INTEGRATORS, MIDPOINT
 from workbench.models.domain import hit_mass_findings
 from workbench.models.frame_model import FrameModel, as_frame
 from workbench.responses import Finding, Response, finding, findings_of, set_findings
@@ -38,19 +35,12 @@ class BarFrames(FrameModel):
     elements: int | None = checked(
         Number(1, 100, integer=True), optional=True, help="per member (None: one, of loaded more)"
     )
-    integrator: str = checked(Choice(INTEGRATORS), MIDPOINT)
     time_step: float | None = checked(
         Number(1e-8, 1.0, "s"),
         optional=True,
         help="None: 1/150 of the expected time to the peak, four times as long after six such "
         "times, at most the time of a wave along an element and back, half of that with "
         "restitution; of superelements by the error",
-    )
-    node_inertia: float | None = checked(
-        Number(0.0, 1e6, "kg m2"),
-        optional=True,
-        help="rotary inertia of every node (None: that of half a section depth of the heaviest bar "
-        "there), without which the rotation of a joint whose hinges all yield is indeterminate",
     )
     regularisation: float = checked(
         Number(0.0, 0.1, advice="a share of the elastic stiffness, 1e-6 by default"),
@@ -66,11 +56,6 @@ class BarFrames(FrameModel):
     least_parts: ClassVar[int] = 1  # of a struck member, and what their number is a multiple of
     concentrated: ClassVar[bool] = True  # yielding: none between hinges
     far_parts: ClassVar[int] = 2  # of members far from the struck one; of one, mass is at the ends
-
-    @property
-    def crushing(self) -> bool:
-        """Whether its steps know a striker that crushes."""
-        return self.integrator == MIDPOINT
 
     @property
     def first_order(self) -> bool:
@@ -108,8 +93,6 @@ class BarFrames(FrameModel):
         """The frame of a `group`, its members `cut` in so many parts, under its dead loads."""
         coordinates, nodes, pieces = cut
         inertia = joint_inertias(nodes, pieces)
-        if self.node_inertia is not None:
-            inertia = np.full(len(coordinates), self.node_inertia)
         members = SuperelementMembers(group, coordinates, parts)
         return stand_frame(frame, coordinates, [group], members, rotary_inertia=inertia)
 

@@ -228,20 +228,12 @@ def direct_shear(scenario: MemberPulse) -> list[Finding]:
     return [finding(f"direct-shear-at-{place}", direct)]
 
 
-def step_finding(step: float, stable: float) -> list[Finding]:
-    """Refusal of an explicit time step above 0.3 of the stability limit `stable` (both in s)."""
-    limit = 0.3 * stable
-    if step <= limit:
-        return []
-    return [finding("unstable-step", step=step, largest=limit)]
-
-
 def count_finding(duration: float, step: float, most: int) -> list[Finding]:
-    """Refusal of a record of `duration` (s) in more time steps of `step` (s) than fit in memory."""
-    steps = duration / step
-    if steps <= most:
+    """Refusal of a record of `duration` (s) in more time steps of `step` (s) than are kept."""
+    count, name = duration / step, "more-steps-than-kept"
+    if count <= most:
         return []
-    return [finding("steps", steps, duration=duration, step=step, most=most)]
+    return [finding(name, count, step=step, count=count, duration=duration, most=most)]
 
 
 def stub_findings(surface: ShearSurface, lengths: Mapping[str, float]) -> list[Finding]:

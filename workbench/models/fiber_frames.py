@@ -16,6 +16,7 @@ import numpy as np
 
 from workbench.base.fields import Choice, Number, checked
 from workbench.mechanics.frames.members import (
+    CALIBRATED,
     LAYERS,
     check_layers,
     fiber_overrides,
@@ -38,7 +39,6 @@ from workbench.models.hinged_frames import BarHinges, Traits
 from workbench.responses import Finding
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
 
-CALIBRATED = 40  # layers of the fibers that two surfaces are calibrated on
 POINTS_HELP = "Gauss-Lobatto points along an element, ends included"
 OF_RESULTANTS = Traits(
     "super-ellipse",

@@ -10,7 +10,7 @@ from typing import ClassVar, TypeVar
 import numpy as np
 
 from workbench.base.arrays import Array
-from workbench.base.errors import OutOfDomainError, SolverError
+from workbench.base.errors import SolverError
 from workbench.base.fields import Declared
 from workbench.mechanics.frames.elastic import Spans, linear_algebra
 from workbench.mechanics.frames.record import Record
@@ -18,8 +18,7 @@ from workbench.mechanics.frames.runs import OPEN_LEDGER, run_driven, run_impact,
 from workbench.mechanics.frames.structure import FrameStructure
 from workbench.mechanics.structures.arc_length import follow_arc
 from workbench.mechanics.structures.assembly import PlanarAssembly
-from workbench.mechanics.structures.explicit import explicit_impact, lumped_mass
-from workbench.mechanics.structures.impact import MIDPOINT, MOREAU, impact
+from workbench.mechanics.structures.impact import impact
 from workbench.mechanics.structures.paths import PathStep, follow_displacement, follow_load
 from workbench.mechanics.structures.time_steps import (
     PointMass,
@@ -51,7 +50,6 @@ Taken = TypeVar("Taken")
 PUSH_STEPS = 1000  # load steps over the range of a static path, before refinement
 PERIOD_STEPS = 100.0  # time steps of a fundamental period, at least
 PULSE_STEPS = 20.0  # of the length of a pulse, at least
-IMPLICIT, EXPLICIT = "implicit", "explicit"  # integrators of references
 COLUMNS = (ColumnImpact, ColumnPushover, MemberPulse)
 COLUMN_HINGES = ("base", "hit-below", "hit-above", "head")
 
@@ -85,9 +83,9 @@ class Clock:
 class FrameModel(ABC, Declared, table="option"):
     """A model of frames, which takes a column as a frame and reports it as a column.
 
-    Of a time step `weight`, that of the end stresses (one half conserves energy), and `integrator`;
-    `time_step` in s (None: by rule); `halvings`, how often steps are halved; `collision_halvings`,
-    see `impact`.
+    Of a time step `weight`, that of the end stresses (one half conserves energy); `time_step` in s
+    (None: by rule); `halvings`, how often steps are halved; `collision_halvings`, see `impact`;
+    `largest_error` of the energy ledger over the input energy that an impact may have.
     """
 
     name: ClassVar[str]
@@ -97,23 +95,16 @@ class FrameModel(ABC, Declared, table="option"):
         kind.KIND for kind in (FrameStatic, FrameImpact, FrameGroundMotion, FramePulse, *COLUMNS)
     )
     collision_halvings: ClassVar[int] = 0
+    largest_error: ClassVar[float | None] = OPEN_LEDGER
+    crushing: ClassVar[bool] = True
 
     weight: float = 0.5
-    integrator: str
     time_step: float | None
 
     @property
     @abstractmethod
     def sources(self) -> tuple[str, ...]:
         """Bibliography keys of the model and of the options that are on."""
-
-    @property
-    def largest_error(self) -> float | None:
-        """Error of the energy ledger over the input energy that an impact may have.
-
-        None of Moreau's time stepping, by which the ledger is open.
-        """
-        return None if self.integrator == MOREAU else OPEN_LEDGER
 
     @property
     def halvings(self) -> int:
@@ -208,33 +199,18 @@ class FrameModel(ABC, Declared, table="option"):
         return follow_arc(structure.assembly, pattern, dof, sign, scenario.path[-1], step)
 
     def _hit(self, scenario: FrameImpact, structure: FrameStructure) -> Iterator[TimeStep]:
-        """Time steps of an impact; the spans of explicit ones are the intervals of the record."""
+        """Time steps of an impact."""
         striker, assembly, spans = scenario.striker, structure.assembly, self.time_spans(scenario)
         dof, sign = structure.dof(striker.node, striker.direction)
-        mass = PointMass.of(scenario)
-        if self.integrator == EXPLICIT:
-            try:
-                lumped_mass(assembly)
-            except ValueError as error:
-                raise OutOfDomainError(f"{error}: take implicit steps") from error
-            return explicit_impact(assembly, dof, mass, spans, spans[0][1], sign=sign)
-        return impact(
-            *(assembly, dof, mass, spans, self.weight),
-            sign=sign,
-            integrator=MIDPOINT if self.integrator == IMPLICIT else self.integrator,
-            halvings=self.collision_halvings,
-        )
+        given = assembly, dof, PointMass.of(scenario), spans, self.weight
+        return impact(*given, sign=sign, halvings=self.collision_halvings)
 
     def _shake(self, scenario: FrameGroundMotion, structure: FrameStructure) -> Iterator[TimeStep]:
         """Time steps of a motion of the ground.
 
         By rule they are 1/100 of the fundamental period, at most the step of the acceleration.
         """
-        weight, assembly, duration = (
-            self._implicit(),
-            structure.assembly,
-            float(scenario.duration or 0.0),
-        )
+        assembly, duration = structure.assembly, float(scenario.duration or 0.0)
         driven = assembly.mass_times(rigid_displacement(assembly, scenario.direction))
         step = self.time_step
         if step is None:
@@ -242,7 +218,8 @@ class FrameModel(ABC, Declared, table="option"):
         times = scenario.time_step * np.arange(len(scenario.acceleration))
         velocity = line_integral(times, scenario.acceleration)  # of the ground
         spans = [(duration, step / 2.0**self.halvings)]
-        return follow_force(assembly, -driven, _mean_of(velocity), spans, weight, scenario.damping)
+        numbers = self.weight, scenario.damping
+        return follow_force(assembly, -driven, _mean_of(velocity), spans, *numbers)
 
     def _press(
         self, scenario: FramePulse, structure: FrameStructure, pattern: Array
@@ -251,7 +228,7 @@ class FrameModel(ABC, Declared, table="option"):
 
         By rule they are 1/100 of the period of its shape, and 1/20 of the pulse while it lasts.
         """
-        weight, share = self._implicit(), 0.5**self.halvings
+        share = 0.5**self.halvings
         later = self.time_step
         if later is None:
             period = _fundamental_period(structure.assembly, pattern)
@@ -260,13 +237,7 @@ class FrameModel(ABC, Declared, table="option"):
         first = later if self.time_step else min(later, end / PULSE_STEPS)
         spans = [(end, share * first), (scenario.duration, share * later)]
         mean = _mean_of(scenario.pulse.impulse)
-        return follow_force(structure.assembly, pattern, mean, spans, weight)
-
-    def _implicit(self) -> float:
-        """Weight of the end stresses; explicit steps are known for impacts only."""
-        if self.integrator == EXPLICIT:
-            raise OutOfDomainError("explicit steps are known for impacts only: take implicit ones")
-        return self.weight
+        return follow_force(structure.assembly, pattern, mean, spans, self.weight)
 
 
 def _mean_of(integral: Callable[[Array], Array]) -> Callable[[float, float], float]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from workbench.base.arrays import Array
 from workbench.base.fields import Choice, Flag, Number, checked
-from workbench.mechanics.frames.members import LAYERS, fiber_section, shear_stiffness
+from workbench.mechanics.frames.members import CALIBRATED, fiber_section, shear_stiffness
 from workbench.mechanics.frames.structure import FrameStructure
 from workbench.mechanics.frames.superelements import Piece, cut_members, joint_surface, series
 from workbench.mechanics.structures.bars import (
@@ -249,8 +249,6 @@ class PlasticHinge(BarHinges):
 class QuasiPlasticHinge(PlasticHinge):
     """Quasi-plastic hinges: plastic rotations of spreading yield, calibrated on fibers."""
 
-    layers: int = checked(LAYERS, 40, help="of the fiber section that the curve is taken from")
-
     concentrated: ClassVar[bool] = False
     name: ClassVar[str] = "quasi-plastic-hinge"
     version: ClassVar[int] = 6
@@ -268,7 +266,7 @@ class QuasiPlasticHinge(PlasticHinge):
     )
 
     def _end(self, frame: Frame, piece: Piece, side: int) -> PlasticEnd:
-        section = fiber_section(frame, piece.member, self.layers, 0.0)
+        section = fiber_section(frame, piece.member, CALIBRATED, 0.0)
         first, rotation, hardened = spread_of_yield(section)
         end = super()._end(frame, piece, side)
         strain = frame.steel.yield_stress / frame.steel.elastic_modulus

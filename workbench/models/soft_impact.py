@@ -100,9 +100,9 @@ def step(s, progress, dt, may):
 @uncounted
 def accept(s, dt):
     """Accept the trial state of the step."""
-    one_mass.accept_trial(s, dt)
     now, new = s.states[0], s.states[1]
-    now.x, now.contact, now.crushed = new.x, new.contact, new.crushed
+    one_mass.put(now, one_mass.spring_of(new))
+    now.w, now.x, now.contact, now.crushed = new.w, new.x, new.contact, new.crushed
 
 
 @uncounted

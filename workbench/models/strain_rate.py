@@ -140,9 +140,8 @@ def check_bars(model: Any) -> None:
     """Refuse options that bars do not know. Raises `InputError`."""
     if model.rate_level != BARS:
         return
-    known = {"alpha": None, "beta": None, "integrator": "midpoint", "kinematics": "chord"}
-    for name, value in known.items():
-        if getattr(model, name, value) != value:
+    for name in ("alpha", "beta"):
+        if getattr(model, name, None) is not None:
             advice = f"leave {name} out, or take rate_level = {FACTOR}"
             raise model.refusal(name, f"is not known with rate_level = {BARS}", advice)
 

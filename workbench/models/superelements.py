@@ -37,7 +37,6 @@ from workbench.mechanics.frames.superelements import (
     softened,
 )
 from workbench.mechanics.impact.pace import Pace
-from workbench.mechanics.structures.impact import MIDPOINT, MOREAU
 from workbench.mechanics.structures.superelements import Superelement, Superelements, sway_stiffness
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
 from workbench.models.batch import admitted
@@ -94,8 +93,8 @@ class _HingedBars(BarFrames):
     Shared options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
     fitted to the exact N-M envelope of the section and stated to one decimal); `shear`, panel: webs
     yield, elastic: they only deform, none: members are rigid in shear; `accuracy` that steps by
-    error aim at, as a share of the peak; `rate_level` as of `four-dof`; `time_step` None: of the
-    midpoint scheme by the error, of frames that peak after several rebounds up to 0.6 % off the
+    error aim at, as a share of the peak; `rate_level` as of `four-dof`; `time_step` None: by
+    the error, of frames that peak after several rebounds up to 0.6 % off the
     peak, of columns whose light striker is thrown off mostly 1 %, a few 7 %.
     """
 
@@ -138,7 +137,7 @@ class _HingedBars(BarFrames):
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
         """Solve as in `FrameModel`; compiled steps leave the kept structure as it is."""
-        if isinstance(as_frame(scenario), FrameImpact) and self.integrator == MIDPOINT:
+        if isinstance(as_frame(scenario), FrameImpact):
             return self.run(as_frame(scenario), self._standing(scenario))
         return super().solve(scenario)
 
@@ -208,7 +207,7 @@ class _HingedBars(BarFrames):
         """The superelement of a piece of a member."""
 
     def pace(self, scenario: FrameImpact) -> Pace:
-        """How the midpoint scheme steps through an impact: by the error, or with `time_step`."""
+        """How an impact is stepped through: by the error, or with `time_step`."""
         duration, spacing = scenario.duration, (1.0 - 1e-6) * scenario.duration / RECORDS
         waves = zip(wave_times(scenario.frame), self.parts(scenario), strict=True)
         share = self.accuracy / ACCURACY
@@ -223,8 +222,6 @@ class _HingedBars(BarFrames):
 
     def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
         """Run an impact, as in `FrameModel`; anew where the peak came in long steps."""
-        if self.integrator != MIDPOINT:
-            return super()._struck(scenario, structure, clock)
         pace, largest = self.pace(scenario), self.largest_error
         return strike(scenario, structure, pace, StruckRecord, run_impact, largest, clock.timed)
 
@@ -234,7 +231,7 @@ class _HingedBars(BarFrames):
         None as well where it is refused or fails. Raises `CollapseError`.
         """
         struck = scenario.KIND in (FrameImpact.KIND, ColumnImpact.KIND)
-        solved = admitted(self, scenario) if struck and self.integrator == MIDPOINT else None
+        solved = admitted(self, scenario) if struck else None
         if solved is None:
             return None
         event: Any = as_frame(solved)
@@ -267,12 +264,11 @@ class RigidSuperelement(_HingedBars):
 
     Options: `rotational_stiffness`, c of the hinge stiffness c EI/L (6: exact in sway; a member
     that ends in a pin gets half of it at the other end; None: 6 of one element, several are exact
-    together); `axial_stiffness`, c of c EA/L (2: exact); `inertia` of the turning bar, nonlinear,
+    together); that along the bar is 2 EA/L, exact; `inertia` of the turning bar, nonlinear,
     linear (of the initial position) or none.
     """
 
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
-    axial_stiffness: float = checked(Number(0.1, 1e6), 2.0)
     inertia: str = checked(Choice(INERTIAS), "nonlinear")
 
     name: ClassVar[str] = "rigid-superelement"
@@ -285,14 +281,6 @@ class RigidSuperelement(_HingedBars):
         *COMMON,
     )
 
-    def check(self) -> None:
-        """Refuse a scheme that has no place for the inertia, and as all."""
-        super().check()
-        if self.integrator == MOREAU and self.inertia == "nonlinear":
-            text = "has no place for rotary inertia that turns with the bars"
-            advice = "take inertia = linear or none, or another integrator"
-            raise self.refusal("integrator", text, advice)
-
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
         if piece.parts == 1 or self.rotational_stiffness is not None:
             factor = (self.rotational_stiffness or 6.0) / 6.0
@@ -302,7 +290,7 @@ class RigidSuperelement(_HingedBars):
             turned = piece.bending / (whole * curvature_shares(piece.parts)[piece.index])
             first, last = (series(*pair) for pair in zip(turned, piece.pins, strict=True))
             bending = first, last
-        axial = self.axial_stiffness * piece.axial / piece.length
+        axial = 2.0 * piece.axial / piece.length
         return Superelement(
             *hinge_ends(piece, surfaces, axial, bending),
             mass_per_length=piece.mass,

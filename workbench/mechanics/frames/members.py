@@ -101,6 +101,7 @@ ROUND_OFF = 1e-9
 SOLID_BOUND = 0.45  # V/Vpl at which a solid square has lost that, study `shear_domain`
 
 
+CALIBRATED = 40  # layers of the fibers that hinges and surfaces are calibrated on
 LAYERS = Number(4, 1000, integer=True)  # of fibers over the depth of a section
 
 

@@ -264,18 +264,17 @@ def stand_frame(
     members: MemberReader,
     *,
     ties: Iterable[tuple[int, int]] = (),
-    lumped: bool = False,
     rotary_inertia: Array | None = None,
 ) -> FrameStructure:
     """Support a frame, bring its dead loads on, then its springs and locks.
 
     Arguments: `coordinates` (nodes, 2) in m, those of the frame's nodes first and in their order;
     element `groups`, and the reader of its `members`; `ties`, pairs
-    (master, slave) of nodes that share translations only; `lumped` mass; `rotary_inertia`
+    (master, slave) of nodes that share translations only; `rotary_inertia`
     (nodes,) in kg m2, beside what frame and members give. Springs are unstressed, and locked nodes
     stand still, once the dead loads are on. Raises `SolverError` when those find no equilibrium.
     """
-    assembly = PlanarAssembly(coordinates, groups, lumped=lumped, ties=ties)
+    assembly = PlanarAssembly(coordinates, groups, ties=ties)
     held = [(number, part) for number, node in enumerate(frame.nodes) for part in node.held]
     held += [(number, "rotation") for number in free_to_spin(frame)]
     assembly.hold([assembly.dof(*each) for each in held])

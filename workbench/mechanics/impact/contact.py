@@ -11,7 +11,7 @@ from typing import Any
 
 from workbench.base.compiled import njit
 from workbench.mechanics.impact.crushing import TRIES, approach_at, crush_line, obeys
-from workbench.mechanics.impact.pace import APART, RELEASED, SLACK
+from workbench.mechanics.impact.pace import APART, RELEASED
 
 # Small functions that end in one entry: inlined, without the wrappers that Python would call.
 _WRAPPERS: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": True}
@@ -131,30 +131,5 @@ def contact_step_of(hit: Any, solve: Any, released: bool = True) -> Any:
                 return True, impulse, end, left
             refused, closed = refused or done, not closed
         return False, 0.0, 0.0, 0.0
-
-    return step
-
-
-def moreau_step_of(hit: Any, drift: Any, push: Any, jump: Any) -> Any:
-    """Moreau's explicit midpoint step (Heng 2017, eqs 3.26-3.30; (3.30) adds the old velocity).
-
-    The model's `drift(s, dt) -> done, place` makes a trial moved by half a step; `push(s, dt) ->
-    speed, mass` changes its velocities by the forces there; `jump(s, dv, dt)` changes that of the
-    hit point by dv and moves on to the end of the step.
-    """
-
-    @uncounted
-    def step(s, progress, dt, may):
-        gamma, striker = hit(s)[1] - progress.velocity, progress.mass
-        done, place = drift(s, dt)
-        if not done:
-            return False, 0.0, 0.0, 0.0
-        speed, mass = push(s, dt)
-        impulse, free = 0.0, speed - progress.velocity - dt * progress.gravity
-        if place - progress.place - 0.5 * dt * progress.velocity <= SLACK:
-            impulse = explicit_percussion(free, gamma, progress.restitution, mass, striker)
-        jump(s, impulse / mass, dt)
-        end = free + impulse / mass + impulse / striker
-        return True, impulse, speed + impulse / mass, contact_loss(impulse, gamma, end)
 
     return step

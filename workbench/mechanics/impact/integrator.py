@@ -10,7 +10,7 @@ impulses, the length of steps, the peak, the timing of records, and what ends a 
 2. The length is that of the controller (`pace.judge`), at most to the next impact (`pace.aimed`).
 3. `contact_step_of` has the model `solve` the step with contact closed or open, and takes the
    solution that obeys 0 <= P perp gamma_1 + e gamma_0 >= 0. This decides contact within a step; a
-   model with a `step` of its own decides there (Moreau's: `contact.moreau_step_of`).
+   model with a `step` of its own decides there.
 4. A step in which the gap closes (`pace.met`), whose error is too large (`pace.judge`), or in which
    the hit point passes its peak, is taken again, shorter. Nothing has been committed so far.
 5. The committed state is recorded if the new one lies a `spacing` behind the last record. Then the
@@ -111,12 +111,6 @@ def no_kick(s, dv):
 
 
 @uncounted
-def no_closing(s, progress, impulse):
-    """Positions stay as the step leaves them."""
-    return True
-
-
-@uncounted
 def never(s, progress):
     """Never calm: steps go on to the end."""
     return False
@@ -146,11 +140,10 @@ class Model(NamedTuple):
     that of the structure, `external_work` that of its loads (both without the striker).
     `lost(s) -> bool`: collapse, asked after each accepted step.
     Optional: `mass(s)`, own mass (kg) of the hit point (0: none), and `kick(s, dv)`, a change of
-    its velocity: for collisions at an instant. `close(s, progress, impulse) -> done`: after an
-    accepted step, may move the structure and the striker (`progress.place`), as Gear, Gupta and
-    Leimkuhler do. `calm(s, progress) -> bool` and `coast(s, pace, progress, records, n) -> rows`:
-    the rest of the record after row n in closed form. `step(s, progress, dt, may) -> done, impulse,
-    end speed, loss`: instead of `solve`, for explicit schemes and contacts of their own.
+    its velocity: for collisions at an instant. `calm(s, progress) -> bool` and
+    `coast(s, pace, progress, records, n) -> rows`: the rest of the record after row n in closed
+    form. `step(s, progress, dt, may) -> done, impulse, end speed, loss`: instead of `solve`, for
+    contacts of their own.
     """
 
     hit: Any
@@ -161,7 +154,6 @@ class Model(NamedTuple):
     lost: Any
     mass: Any = massless
     kick: Any = no_kick
-    close: Any = no_closing
     calm: Any = never
     coast: Any = no_coast
     step: Any = None
@@ -194,7 +186,7 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
     repeated step keeps. The status is GOING when the records (three rows at least) are full: read
     them and call again. The very first row is the start.
     """
-    hit, solve, settle, accept, write, lost, mass_of, kick, close, calm, coast, step = model
+    hit, solve, settle, accept, write, lost, mass_of, kick, calm, coast, step = model
     step = step or contact_step_of(hit, solve)
 
     @called
@@ -330,8 +322,6 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
             progress.smooth, progress.before, progress.time = not struck, dt, progress.time + dt
             progress.highest = max(progress.highest, place1)
             progress.dt = min(max(dt * factor, pace.first), pace.longest)
-            if not close(s, progress, impulse):
-                return NO_CONVERGENCE, n
             if lost(s):
                 record(s, pace, progress, records, n)
                 return COLLAPSE, n + 1

@@ -134,9 +134,6 @@ class ElementGroup(ABC):
         """Committed kinetic energy that is not in the mass matrix, in J."""
         return 0.0
 
-    def turn_with(self, displacement: Array, velocity: Array) -> None:  # noqa: B027
-        """Give velocities that a group keeps of its own the values of the nodes (dofs,), SI."""
-
     @property
     def lengths(self) -> Array:
         """Initial lengths (elements,), in m."""

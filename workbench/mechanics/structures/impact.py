@@ -1,19 +1,11 @@
 """Impact driver: implicit time steps with a unilateral contact at one dof.
 
-All integrators share x1 = x0 + dt (v0 + v1) / 2 and Newton's law of restitution in the velocity
-form of Moreau, xi = gamma_1 + restitution gamma_0 = 0 for a closed contact, gamma the velocity of
-the gap.
+The midpoint step x1 = x0 + dt (v0 + v1) / 2 with energy-exact element forces, stresses
+(1 - weight) old + weight new, and Newton's law of restitution in the velocity form of Moreau,
+xi = gamma_1 + restitution gamma_0 = 0 for a closed contact, gamma the velocity of the gap. Other
+schemes, on a column and on a frame, are those of the laboratory, see `impact.schemes`.
 
-* "midpoint": energy-exact element forces with stresses (1 - weight) old + weight new.
-* "moreau": time stepping of Moreau and Jean with theta = 1/2, the mean of the forces at both ends;
-  its balance of energy is off by the third order of a step. Its explicit form, with central
-  differences, is `explicit_impact`.
-* "gear-gupta-leimkuhler": as "midpoint", and the gap closes to zero as well. A second impulse Psi
-  moves bodies that have penetrated apart, x1 = x0 + dt (v0 + v1) / 2 + M^-1 w Psi, so that both
-  constraints hold at the end of every step of contact.
-
-Sources: Heng 2017, chapter 3 (eqs 3.17-3.35; energy-momentum step 3.31-3.33); Moreau 1988;
-Jean 1999; Acary 2013 for the two constraints.
+Sources: Heng 2017, chapter 3 (eqs 3.17-3.30; energy-momentum step 3.31-3.33); Moreau 1988.
 """
 
 from collections.abc import Iterator
@@ -37,8 +29,6 @@ from workbench.mechanics.structures.time_steps import (
     solve_step,
 )
 
-MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER = "midpoint", "moreau", "gear-gupta-leimkuhler"
-INTEGRATORS = (MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER)
 COLLISION = 1e-5  # of the striker's first energy: what a resolved collision may turn over
 CRUSHED = 256  # least part of a step into which the change of the force of a crush law cuts it
 OPENING = 32  # steps from the first contact on before their length is doubled
@@ -53,22 +43,20 @@ def impact(
     tolerance: float = TOLERANCE,
     *,
     sign: float = 1.0,
-    integrator: str = MIDPOINT,
     halvings: int = 0,
 ) -> Iterator[TimeStep]:
     """Follow an impact at `dof`, in the direction of growing displacement or against it.
 
     Arguments: `assembly` at rest under its dead loads; `striker`; `spans`; `weight` of the end
-    stresses, 1/2 to 1 (1/2 conserves energy exactly, more dissipates grid-scale ringing; "moreau"
-    has 1/2, and no inertia that turns with the bars); `tolerance` of the residual; `sign`, -1 for a
-    strike along the negative direction; `integrator`, one of `INTEGRATORS`; `halvings`, how often
-    steps are halved at the first contact, and at most in a later collision. Bending
+    stresses, 1/2 to 1 (1/2 conserves energy exactly, more dissipates grid-scale ringing);
+    `tolerance` of the residual; `sign`, -1 for a strike along the negative direction; `halvings`,
+    how often steps are halved at the first contact, and at most in a later collision. Bending
     waves spread as the root of time, so that steps may grow with it; and a collision takes along
     what a wave reaches within its step, with the loss of Newton's law: where no mass is lumped,
     that is an error of the step.
     Yields a `TimeStep` after each commit. Raises `SolverError`.
     """
-    stepper = _Stepper(assembly, dof, sign, striker, weight, integrator, tolerance)
+    stepper = _Stepper(assembly, dof, sign, striker, weight, tolerance)
     if halvings:
         end, nominal = spans[0]
         steps = [nominal / 2.0**k for k in range(halvings, 0, -1)]
@@ -87,7 +75,6 @@ class _Stepper:
         sign: float,
         striker: PointMass,
         weight: float,
-        integrator: str,
         tolerance: float,
     ) -> None:
         self.assembly, self.dof, self.sign = assembly, dof, sign
@@ -96,15 +83,7 @@ class _Stepper:
         self._collision, self._approach = COLLISION * striker.kinetic_energy, striker.velocity
         self._law, self._longest = law_of(striker.crushing), 0.0
         self._origin = sign * float(assembly.displacement[dof])
-        self._before: Array | None = None  # internal forces of the committed state
         self._rate: Array | None = None  # mean velocities of the last step
-        self._direction: Array | None = None  # M^-1 w
-        if integrator == MOREAU:
-            self._before = assembly.assemble(assembly.displacement, None)
-        if integrator == GEAR_GUPTA_LEIMKUHLER:
-            self._direction = _mass_direction(assembly, dof, sign)
-            effective = 1.0 / striker.mass + self._along(self._direction)
-            self._effective_mass = 1.0 / effective
 
     def _along(self, values: Array) -> float:
         return self.sign * float(values[self.dof])
@@ -121,15 +100,13 @@ class _Stepper:
             return self._crush(dt, approach)
         evaluations, residual = 0, 0.0
         touches = contact.may_touch(gap, approach, dt, 0.0)
-        # what ends in overlap must have met on the way
-        states = 2 if touches or self._direction is not None else 1
         closed, refused = touches and not approach > 0.0, False
-        for _ in range(states):
-            trial = self._attempt(dt, closed, gap, approach)
+        for _ in range(2 if touches else 1):
+            trial = self._attempt(dt, closed, approach)
             evaluations += trial.solution.evaluations
             residual = max(trial.solution.residual, residual)  # not a number stays one
             if trial.solution.converged:
-                if contact.accepts(trial.admissible, states == 2, closed, refused):
+                if contact.accepts(trial.admissible, touches, closed, refused):
                     turned = -0.5 * trial.impulse * approach
                     if turned > self._collision and dt >= 2.0 * self.shortest:
                         return None, evaluations, residual
@@ -138,33 +115,17 @@ class _Stepper:
             closed = not closed
         return None, evaluations, residual
 
-    def _attempt(self, dt: float, closed: bool, gap: float, approach: float) -> Trial:
+    def _attempt(self, dt: float, closed: bool, approach: float) -> Trial:
         """Solve one step with the contact closed or open; tell whether that was admissible."""
-        striker, direction = self.striker, self._direction
+        striker = self.striker
         free = striker.velocity + dt * striker.gravity
         touch = contact.touch_velocity(free, approach, striker.restitution)
-        apart, pull = 0.0, None
-        if closed:
-            if direction is not None:
-                overlap = gap + 0.5 * dt * (approach + touch - free)
-                apart = self._effective_mass * max(-overlap, 0.0)
-            if apart > 0.0:  # the gap closes at the end of the step
-                touch = striker.velocity + free - 2.0 * gap / dt
-                touch -= self._along(self.assembly.velocity)
-            pull = Pull(self.dof, self.sign, striker.mass, touch)
-        trial = self._solve(dt, pull)
+        trial = self._solve(dt, Pull(self.dof, self.sign, striker.mass, touch) if closed else None)
         end = self._along(trial.velocity)
-        if closed:
-            impulse = striker.mass * (touch - end) - 2.0 * apart / dt
-            if direction is not None:
-                trial = trial._replace(velocity=trial.velocity - (2.0 * apart / dt) * direction)
-            return trial._replace(impulse=impulse, apart=apart, admissible=impulse >= 0.0)
-        admissible = end >= touch
-        if direction is not None:
-            mean = 0.5 * (approach + end - free)
-            apart_still = gap + dt * mean >= 0.0
-            admissible = apart_still and (gap > 0.0 or admissible)
-        return trial._replace(admissible=admissible)
+        if not closed:
+            return trial._replace(admissible=end >= touch)
+        impulse = striker.mass * (touch - end)
+        return trial._replace(impulse=impulse, admissible=impulse >= 0.0)
 
     def _solve(self, dt: float, pull: Pull | None) -> Trial:
         """Solve one step with a contact that pulls so, or none."""
@@ -175,7 +136,6 @@ class _Stepper:
             self.assembly.load,
             self.tolerance,
             pull=pull,
-            before=self._before,
             ahead=None if self._rate is None else dt * self._rate,
         )
 
@@ -213,40 +173,8 @@ class _Stepper:
         assembly, striker, end = self.assembly, self.striker, trial.solution.x
         self._rate = (end - assembly.displacement) / dt
         step = commit(assembly, dt, end, trial.velocity, self.weight)
-        if self._before is not None:
-            self._before = trial.force
-        if trial.apart > 0.0:
-            spent = step.energies.algorithmic + self._spent_moving_apart(trial)
-            energies = step.energies._replace(algorithmic=spent)
-            step = step._replace(energies=energies, kinetic=assembly.kinetic_energy())
-        self.striker, work = striker.moved(dt, trial.impulse, trial.apart)
+        self.striker, work = striker.moved(dt, trial.impulse)
         departure = self._along(trial.velocity) - self.striker.velocity
         loss = contact.contact_loss(trial.impulse, approach, departure)
         step = step._replace(external_work=step.external_work + work, contact_loss=loss)
         return step._replace(striker=self.striker, impulse=trial.impulse)
-
-    def _spent_moving_apart(self, trial: Trial) -> float:
-        """Energy (J) lost where Psi moves the structure: the work of the forces on the way.
-
-        Velocities that groups keep of their own follow those of the nodes; what that takes out of
-        their kinetic energy is lost as well.
-        """
-        assembly = self.assembly
-        before = assembly.kinetic_energy()
-        for group in assembly.groups:
-            group.turn_with(assembly.displacement, assembly.velocity)
-        turned = before - assembly.kinetic_energy()
-        moved = trial.apart * np.asarray(self._direction)
-        return turned - float(moved @ (trial.force - assembly.load))
-
-
-def _mass_direction(assembly: PlanarAssembly, dof: int, sign: float) -> Array:
-    """Velocities M^-1 w (dofs,) per unit of impulse at `dof`; zero where there is no mass."""
-    unit = np.zeros(assembly.size)
-    unit[dof] = sign
-    diagonal = assembly.mass.reshape(assembly.size, -1)[:, 2 * assembly.width]
-    massless = np.flatnonzero(diagonal <= 0.0)
-    assembly.band[:] = assembly.mass
-    direction = assembly.solve(unit, np.union1d(assembly.held, massless))
-    assert direction is not None
-    return direction

@@ -1,9 +1,8 @@
 """Implicit time steps: the equations of one, the march through a record, forces over time.
 
 A step from t_n to t_n+1 solves M (v1 - v0) / dt + f + damping M (x1 - x0) / dt = p + w P / dt with
-v1 = 2 (x1 - x0) / dt - v0. The forces f are the energy-exact ones of the elements, or the mean of
-those at both ends. A closed contact makes the impulse P linear in x1, so that it is eliminated: no
-penalty, no extra unknown.
+v1 = 2 (x1 - x0) / dt - v0. The forces f are the energy-exact ones of the elements. A closed contact
+makes the impulse P linear in x1, so that it is eliminated: no penalty, no extra unknown.
 
 Moving ground is a force over time: relative to the supports M x'' + damping M x' + f(x) =
 p - M r a(t) with the rigid displacement r of all dofs for a unit displacement of the ground; M
@@ -57,13 +56,10 @@ class PointMass:
         blow = striker.mass, striker.velocity, striker.restitution
         return cls(*blow, crushing=striker, gravity=gravity)
 
-    def moved(self, dt: float, impulse: float, apart: float = 0.0) -> tuple["PointMass", float]:
-        """The striker after a time (s), and the work (J) of gravity on it.
-
-        Contact takes an `impulse` (N s) and moves it `apart` (kg m), see `Trial`.
-        """
+    def moved(self, dt: float, impulse: float) -> tuple["PointMass", float]:
+        """The striker after a time (s) and an `impulse` (N s), and the work of gravity (J)."""
         velocity = self.velocity + dt * self.gravity - impulse / self.mass
-        way = 0.5 * dt * (self.velocity + velocity) - apart / self.mass
+        way = 0.5 * dt * (self.velocity + velocity)
         moved = replace(self, velocity=velocity, position=self.position + way)
         return moved, self.mass * self.gravity * way
 
@@ -107,18 +103,14 @@ class Pull(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """A solved step: `solution`, end `velocity` (dofs,), and internal `force` (dofs,) at the end.
+    """A solved step: `solution` and end `velocity` (dofs,).
 
-    With energy-exact forces that is the force of the whole step. Of an impact the contact `impulse`
-    in N s, `apart`, which moves bodies without a velocity (Psi, kg m), and whether the state of
-    contact is `admissible`.
+    Of an impact the contact `impulse` in N s, and whether the state of contact is `admissible`.
     """
 
     solution: Solution
     velocity: Array
-    force: Array
     impulse: float = 0.0
-    apart: float = 0.0
     admissible: bool = True
 
 
@@ -131,36 +123,28 @@ def solve_step(
     *,
     damping: float = 0.0,
     pull: Pull | None = None,
-    before: Array | None = None,
     ahead: Array | None = None,
 ) -> Trial:
     """Solve one step from the committed state; the trial state stays in the groups.
 
     Arguments: `dt` in s; `weight` of the end stresses in energy-exact forces; `load` (dofs,) of
     the step in N; `tolerance` of the residual over the largest force; mass-proportional `damping`
-    in 1/s; `pull` of a closed contact; `before`, internal forces (dofs,) at the start if the mean
-    of both ends is to act instead of the energy-exact forces; `ahead`, displacements (dofs,) by
-    which the step is expected to go.
+    in 1/s; `pull` of a closed contact; `ahead`, displacements (dofs,) by which the step is expected
+    to go.
     """
     x0, v0 = assembly.displacement, assembly.velocity
     start_momentum = assembly.mass_times(v0) * (2.0 / dt)
     factor = 2.0 / dt**2 + damping / dt
-    # twice the equations with the mean of both ends: the tangent at the end then counts once
-    scale, rule = (1.0, weight) if before is None else (2.0, None)
-    given = scale * (start_momentum + load)
-    internal = np.zeros(assembly.size)
+    given = start_momentum + load
 
     def evaluate(x: Array) -> Array:
-        force = assembly.assemble(x, rule, scale * factor)
-        internal[:] = force
-        if before is not None:
-            force = force + before
-        residual = assembly.residual(x - x0, scale * factor, given, force)
+        force = assembly.assemble(x, weight, factor)
+        residual = assembly.residual(x - x0, factor, given, force)
         if pull is not None:
             d = pull.dof
             v1 = pull.sign * (2.0 * (x[d] - x0[d]) / dt - v0[d])
-            residual[d] -= scale * pull.sign * pull.mass * (pull.touch - v1) / dt
-            assembly.add_to_diagonal(d, scale * 2.0 / dt**2 * pull.mass)
+            residual[d] -= pull.sign * pull.mass * (pull.touch - v1) / dt
+            assembly.add_to_diagonal(d, 2.0 / dt**2 * pull.mass)
         return residual
 
     assembly.begin_step(dt)
@@ -169,7 +153,7 @@ def solve_step(
     solution = newton(evaluate, allow, assembly.solve, first, ITERATIONS)
     velocity = 2.0 * (solution.x - x0) / dt - v0
     velocity[assembly.held] = 0.0
-    return Trial(solution, velocity, internal)
+    return Trial(solution, velocity)
 
 
 def commit(

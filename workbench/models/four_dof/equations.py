@@ -40,9 +40,6 @@ def mean_forces(column, state, work):
         v0, x0, _ = geometry.place(work.q0, lengths, bar)
         v1, x1, _ = geometry.place(state.q, lengths, bar)
         small = column.small_rotations
-        if column.sliding == geometry.SECTION:
-            geometry.section_mean_forces(bar, state, work)
-            continue
         ev, ex, pv, px = geometry.step_gradients(v0, x0, v1, x1, lengths[bar], small)
         work.f[bar, 0], work.f[bar, 1] = N * ev + M * pv, N * ex + M * px
     statics.add_up(column, work.f, 0.5 * (work.q0[U2] + state.q[U2]), work.mean)
@@ -169,7 +166,7 @@ def along_tangent(bars: Any) -> bool:
     """
     if "law" in bars.dtype.names:
         return not any(bars["law"][body]["hardening"] for body in ("whole", "web"))
-    return bool(bars["sliding"] == geometry.RIGID_IN_SHEAR)
+    return not bars["sliding"]
 
 
 @njit(cache=True, error_model="numpy")
@@ -189,7 +186,7 @@ def finish(s, size):
             work.F[i] += work.K[i, k] * step[k]
     for bar in range(2):
         plastic, stress = state.plastic[bar], state.stress[bar]
-        if work.branch[bar] == ELASTIC and column.sliding == geometry.RIGID_IN_SHEAR:
+        if work.branch[bar] == ELASTIC and not column.sliding:
             v, x, b = geometry.place(state.q, column.lengths, bar)
             length, small = column.lengths[bar], column.small_rotations
             stretch, angle = geometry.stretch_and_angle(v, x, length, small)
@@ -227,7 +224,7 @@ def lie(still: Any, q: Array, weight: float, bars: Any, states: Any) -> bool:
         at *= weight / force
     else:
         return False
-    for name in ("q", "stress", "turn"):
+    for name in ("q", "stress"):
         states[0][name] = rest[name]
     states[0]["plastic"][:, :4] = rest["plastic"]
     bars["weight"], bars["sag"] = weight, rest["q"][V]

@@ -13,7 +13,7 @@ _FLOWING = ELASTIC + 1
 @njit(cache=True, error_model="numpy", forceinline=True)
 def projected(column, bar, elastic, stress, work):
     """Forces of two hinges, or of a panel, that do not know time."""
-    if column.sliding == geometry.CHORD:
+    if column.sliding:
         trial, D = work.trial[:], work.D[bar]
         trial[0], trial[1], trial[2] = elastic
         geometry.chord_forces(column, bar, stress[bar], work)
@@ -32,7 +32,7 @@ def projected(column, bar, elastic, stress, work):
 def viscoplastic(column, bar, elastic, state, work):
     """Forces of a bar after a step of `work.dt`, from those that the last tangent expects."""
     f, pinned, length = column.flexibility[bar], column.pinned[bar], column.lengths[bar]
-    slides = column.sliding == geometry.CHORD
+    slides = column.sliding
     soft = 1.0 / (length * column.web.stiffness) if slides else 0.0
     last, stress = work.last[bar], state.stress[bar]
     e, a, b = elastic[0] - last[0], elastic[1] - last[1], elastic[2] - last[2]

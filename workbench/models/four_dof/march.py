@@ -11,7 +11,7 @@ import numpy as np
 
 from workbench.base.compiled import njit, register_jitable
 from workbench.mechanics.frames.collapse import COLLAPSE_CONTRACTION, COLLAPSE_SIDEWAYS
-from workbench.mechanics.impact.contact import called, inner, moreau_step_of
+from workbench.mechanics.impact.contact import called, inner
 from workbench.mechanics.impact.integrator import (
     COLLAPSE,
     COMMON,
@@ -20,14 +20,13 @@ from workbench.mechanics.impact.integrator import (
     Model,
     begin,
     march_of,
-    no_flow,
 )
 from workbench.mechanics.impact.records import standstill
 from workbench.mechanics.structures.kernels import copy
 from workbench.models.batch import COLLAPSES, UNKNOWN
 from workbench.models.four_dof import statics
 from workbench.models.four_dof.equations import TwoBars, newton, predict
-from workbench.models.four_dof.kinematics import CHORD, RIGID_IN_SHEAR, U1, U2, V
+from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.models.four_dof.statics import STATE, WORK
 from workbench.responses.histories import FORCE_WINDOW, open_share, unbalanced
 from workbench.responses.kernels import largest_window, mean_of_cycles, signed_peak
@@ -63,7 +62,6 @@ def solve(s, dt, closed, touch, striker):
     copy(now.q, work.q0)
     copy(now.w, work.w0)
     copy(now.stress, work.stress0)
-    copy(now.turn, work.turn0)
     work.strike_mass = 2.0 * s.columns[0].mass[V] + s.columns[0].mass[U2] + striker
     done, residual, total = False, np.inf, 0
     for nested in range(2):
@@ -167,74 +165,7 @@ def kick(s, dv):
     s.states[0].w[V] += dv
 
 
-@called
-def close(s, progress, impulse):
-    """Move a penetrating contact back (eqs 3.34-3.35); the massless unknowns follow.
-
-    The distances are as the inverse masses, so that the centre of mass stays; (3.34) prints
-    equal ones.
-    """
-    now, mass, striker = s.states[0], s.columns[0].mass[V], progress.mass
-    overlap = progress.place - hit(s)[0]
-    if not (impulse > 0.0 and overlap > 0.0):
-        return True
-    push = overlap / (1.0 / mass + 1.0 / striker)
-    now.q[V] += push / mass
-    progress.place -= push / striker
-    progress.weighed -= push * progress.gravity
-    done = follow(s.columns[0], now, s.room[0])
-    at_place(s)
-    return done
-
-
-@njit(cache=True, error_model="numpy")
-def follow(column, state, work):
-    """Equilibrium of the massless unknowns, and its plastic flow; whether there is one."""
-    massless = column.free_head and column.mass[U2] == 0.0
-    residual = statics.axial_equilibrium(column, statics.HELD, massless, state, work)
-    if residual > statics.TOLERANCE:
-        return False
-    statics.update_plastic_deformations(column, state.stress, state, work)
-    return True
-
-
-@inner
-def move(column, dt, state):
-    """Move all masses with their velocities."""
-    for i in (V, U1, U2):
-        if i != U2 or (column.free_head and column.mass[U2] > 0.0):
-            state.q[i] += dt * state.w[i]
-
-
-@inner
-def drift(s, dt):
-    """Half a step of Moreau's with the velocities."""
-    statics.assign(s.states[0], s.states[1])
-    move(s.columns[0], 0.5 * dt, s.states[1])
-    place = s.states[1].q[V] - s.columns[0].sag
-    return follow(s.columns[0], s.states[1], s.room[0]), place
-
-
-@inner
-def push(s, dt):
-    """The velocities that the forces in the middle leave."""
-    trial, m = s.states[1], s.columns[0].mass
-    for i in (V, U1, U2):
-        if i != U2 or (s.columns[0].free_head and m[U2] > 0.0):
-            trial.w[i] -= dt * s.room[0].F[i] / m[i]
-    return trial.w[V], m[V]
-
-
-@inner
-def jump(s, dv, dt):
-    """Impulse, and the other half of the step."""
-    s.states[1].w[V] += dv
-    move(s.columns[0], 0.5 * dt, s.states[1])
-
-
-_FULL = Model(hit, solve, settle, accept, write, lost, mass=mass_of, kick=kick)
-_midpoint, _closing = march_of(_FULL), march_of(_FULL._replace(close=close))
-_explicit = march_of(_FULL._replace(settle=no_flow, step=moreau_step_of(hit, drift, push, jump)))
+_march = march_of(Model(hit, solve, settle, accept, write, lost, mass=mass_of, kick=kick))
 
 
 @called
@@ -255,21 +186,7 @@ def impact(columns, states, room, drive, progress, records):
     `drive`, `progress` and `records` of `workbench.mechanics.impact`.
     """
     pace = begin(drive, progress[0])
-    return _midpoint(start(columns, states, room, pace), pace, progress[0], records)
-
-
-@njit(cache=True, error_model="numpy")
-def closing_impact(columns, states, room, drive, progress, records):
-    """Follow an impact as `impact` does, with gaps closed as Gear, Gupta and Leimkuhler do."""
-    pace = begin(drive, progress[0])
-    return _closing(start(columns, states, room, pace), pace, progress[0], records)
-
-
-@njit(cache=True, error_model="numpy")
-def explicit_impact(columns, states, room, drive, progress, records):
-    """Follow an impact as `impact` does, with Moreau's explicit steps."""
-    pace = begin(drive, progress[0])
-    return _explicit(start(columns, states, room, pace), pace, progress[0], records)
+    return _march(start(columns, states, room, pace), pace, progress[0], records)
 
 
 @njit(cache=True, error_model="numpy")
@@ -280,7 +197,7 @@ def turned(column, records):
         for k, (bar, place) in enumerate(HINGES):
             flow = records[n].plastic[bar]
             turns[k, n] = flow[place]
-            if column.sliding == CHORD:
+            if column.sliding:
                 share = flow[3] / column.lengths[bar]
                 turns[k, n] -= share if place == 1 else -share
     return turns
@@ -305,7 +222,7 @@ def read(column, records, progress, given, bounces, numbers):
         for bar in range(2):
             numbers[6] = max(numbers[6], -row.stress[bar, 0])
             numbers[7] = max(numbers[7], row.stress[bar, 0])
-            if column.sliding != RIGID_IN_SHEAR:
+            if column.sliding:
                 numbers[8] = max(numbers[8], abs(row.plastic[bar, 3])) if n > 0 or bar else 0.0
         brought = given + row.external_work - start.external_work
         gained = row.elastic - start.elastic

@@ -7,12 +7,12 @@ import numpy as np
 
 from workbench.base.arrays import Flags
 from workbench.base.errors import CollapseError
-from workbench.base.fields import Choice, Flag, Number, checked
+from workbench.base.fields import Flag, Number, checked
 from workbench.mechanics.frames.members import shear_stiffness
 from workbench.models.batch import SURVIVES, UNKNOWN, Answers
 from workbench.models.domain import buckles, shear_findings, stub_findings
 from workbench.models.elastic_springs import Springs, beam_springs
-from workbench.models.four_dof import kinematics, march
+from workbench.models.four_dof import march
 from workbench.models.four_dof.equations import along_tangent
 from workbench.models.four_dof.rigid_bars import PACES, RigidBars, collapsed
 from workbench.models.hinge_limits import panel_findings, panel_refused
@@ -22,11 +22,8 @@ from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnImpact, ColumnScenario
 from workbench.scenarios.varied import spread
 from workbench.steel.hinges import ShearSurface, YieldSurface, has_shear_surface, has_webs
-from workbench.steel.hinges.interaction import SHEAR_DEPTHS, fitted_exponents
+from workbench.steel.hinges.interaction import fitted_exponents
 from workbench.steel.hinges.rate import bar_law, panel_law
-
-_SHEARED = 0.15  # mean sliding over length from which a solid's flanges carry tension
-_KINEMATICS = {"chord": kinematics.CHORD, "section": kinematics.SECTION}
 
 
 @dataclass(frozen=True)
@@ -101,13 +98,10 @@ class FourDof(RigidBars):
 class FourDofShear(RigidBars):
     """Four-DOF column whose webs yield in shear and slide.
 
-    Options: `kinematics`: sliding stretches a bar (chord, as in a solid) or does not (section, as
-    in `fiber-shear`); `web_depth`, what of the webs carries shear: between the centre lines of the
-    flanges, as in a solid, or clear, as in `fiber-shear`; `hit_mass`, waves by default.
+    Sliding stretches a bar, and webs carry shear between the centre lines of the flanges, as in a
+    solid. Option: `hit_mass`, waves by default.
     """
 
-    kinematics: str = checked(Choice(tuple(_KINEMATICS)), "chord")
-    web_depth: str = checked(Choice(SHEAR_DEPTHS), "centre")
     hit_mass: str = checked(HIT_MASS, WAVES)
 
     name: ClassVar[str] = "four-dof-shear"
@@ -129,11 +123,9 @@ class FourDofShear(RigidBars):
 
     def surface(self, column: Column) -> ShearSurface:
         """The yield surface of both ends of all bars."""
-        name = f"webs, {self.web_depth}"
-        if name not in column.kept:
-            section = column.strength_section
-            column.kept[name] = ShearSurface(section, column.steel, self.web_depth)
-        surface: ShearSurface = column.kept[name]
+        if "webs" not in column.kept:
+            column.kept["webs"] = ShearSurface(column.strength_section, column.steel)
+        surface: ShearSurface = column.kept["webs"]
         return surface
 
     def stackable(self, scenario: ColumnScenario) -> bool:
@@ -160,20 +152,13 @@ class FourDofShear(RigidBars):
         findings = panel_findings(surface, column.properties)
         return findings + stub_findings(surface, lengths)
 
-    def _reached(self, column: Column, values: dict[str, Any]) -> list[Finding]:
-        lengths = np.array([[column.length_below], [column.length_above]])
-        sheared = float(np.max(np.abs(values["sliding"]) / lengths))
-        if self.kinematics == "chord" or sheared <= _SHEARED:
-            return []
-        return [finding("sliding", sheared, least=_SHEARED)]
-
     def _springs(self, column: Column) -> Springs:
         return beam_springs(column, self.surface(column).record["stiffness"], sliding=True)
 
     def _strength(self, column: Column, bars: Any) -> None:
         surface = self.surface(column)
         N, M = surface.squash_load, surface.plastic_moment
-        bars["web"], bars["sliding"] = surface.record, _KINEMATICS[self.kinematics]
+        bars["web"], bars["sliding"] = surface.record, True
         bars["squash_loads"], bars["plastic_moments"] = np.vstack((N, N)).T, np.vstack((M, M)).T
         if flows(self, column.steel):
             bars["law"] = panel_law(surface)
@@ -182,8 +167,7 @@ class FourDofShear(RigidBars):
 def _stackable(model: FourDof | FourDofShear, scenario: ColumnScenario) -> bool:
     if not isinstance(scenario, ColumnImpact) or scenario.striker.crushes or scenario.acceleration:
         return False
-    plain = model.integrator == "midpoint" and model.time_step is None
-    return plain and not flows(model, scenario.column.steel)
+    return model.time_step is None and not flows(model, scenario.column.steel)
 
 
 def _answer_stack(model: FourDof | FourDofShear, scenario: ColumnImpact, refused: Flags) -> Answers:

@@ -18,16 +18,16 @@ import numpy as np
 
 from workbench.base.arrays import Array
 from workbench.base.errors import Collapse, CollapseError, Mechanism, OutOfDomainError, SolverError
-from workbench.base.fields import Choice, Flag, Number, checked
+from workbench.base.fields import Choice, Number, checked
 from workbench.mechanics.frames.collapse import COLLAPSE_SIDEWAYS
 from workbench.mechanics.frames.runs import resting
 from workbench.mechanics.impact.pace import Pace
 from workbench.mechanics.impact.records import Run, follow, followed, histories_of
 from workbench.models.base import Answering
-from workbench.models.domain import buckling_findings, count_finding, step_finding
+from workbench.models.domain import buckling_findings, count_finding
 from workbench.models.elastic_springs import Springs, thesis_springs
-from workbench.models.four_dof import equations, kinematics, march, statics
-from workbench.models.four_dof.kinematics import U1, U2, V
+from workbench.models.four_dof import equations, march, statics
+from workbench.models.four_dof.kinematics import U2, V
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.strain_rate import FACTOR, RATE_LEVELS, check_bars, flows
 from workbench.responses import VARIABLES, Finding, Response, build_response, open_share
@@ -39,11 +39,6 @@ HINGES = ("base", "hit-below", "hit-above", "head")
 _BARS, _PLACES = np.array(march.HINGES).T
 SEGMENTS = ("below", "above")
 _NAMES: dict[str, Any] = {"hinges": HINGES, "segments": SEGMENTS}
-_ENTRIES = {
-    "midpoint": march.impact,
-    "moreau": march.explicit_impact,
-    "gear-gupta-leimkuhler": march.closing_impact,
-}
 _PUSH_STEP = 1.25e-4  # of the length, changes the static force by less than 0.02 %
 _SHORTEST_STEP = 1e-8  # s
 PACES = 5  # of which the next is taken where the ledger is open
@@ -57,19 +52,15 @@ class RigidBars(Answering):
     """Columns of two rigid bars and four hinges; models say how hinges yield.
 
     Shared options: `rotational_stiffness`: factor c of c EI / l of a hinge (the thesis: 6; None:
-    springs that make the bars the elastic column under a force at the hit point); `integrator`;
-    `time_step` in s (None: controlled by the error, some 0.1 % of the peak, until the energy
-    balance closes to 1e-6; moreau: a fifth of the inverse of the highest axial frequency);
-    `spring_shares_load`: the restraint spring is there before the axial load comes on; `hit_mass`:
-    a third of the column (thesis), or what of it shares the velocity of the striker at once
-    (waves); `rate_level`, of a steel with a rate law: a factor on the yield stress, or bars that
-    flow and harden point by point (without rate and hardening the model is the same).
+    springs that make the bars the elastic column under a force at the hit point); `time_step` in s
+    (None: controlled by the error, some 0.1 % of the peak, until the balance closes to 1e-6);
+    `hit_mass`: a third of the column (thesis), or what of it shares the velocity of the striker at
+    once (waves); `rate_level`, of a steel with a rate law: a factor on the yield stress, or bars
+    that flow and harden point by point (without rate and hardening the model is the same).
     """
 
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
-    integrator: str = checked(Choice(tuple(_ENTRIES)), "midpoint")
     time_step: float | None = checked(Number(_SHORTEST_STEP, 1.0, "s"), optional=True)
-    spring_shares_load: bool = checked(Flag(), False)
     hit_mass: str = checked(HIT_MASS, THESIS)
     rate_level: str = checked(Choice(RATE_LEVELS), FACTOR)
 
@@ -89,17 +80,13 @@ class RigidBars(Answering):
         (1e-4, 4e-3, 0.85),
         (2e-5, 2e-4, 0.3),
     )
+    crushing: ClassVar[bool] = True
     BALANCE: ClassVar[float] = 1e-6  # of the input energy, in which the ledger closes
 
     def check(self) -> None:
         """Refuse options that viscoplastic bars do not know."""
         super().check()
         check_bars(self)
-
-    @property
-    def crushing(self) -> bool:
-        """Whether its steps know a striker that crushes."""
-        return self.integrator == "midpoint"
 
     def _strength(self, column: Column, bars: Any) -> None:
         """Write the strength of the hinges into the column of the kernels."""
@@ -116,19 +103,12 @@ class RigidBars(Answering):
         """Where the yielding of the hinges stops applying."""
         raise NotImplementedError
 
-    def _reached(self, column: Column, values: dict[str, Any]) -> list[Finding]:
-        """Warnings that only the answer can give."""
-        return []
-
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
-        """Findings on the domain of hinges, the Euler load, the step of the explicit scheme."""
+        """Findings on the domain of hinges, the Euler load, the number of equal steps."""
         findings = buckling_findings(scenario) + self._hinge_findings(scenario)
         if any(finding.refusal for finding in findings):
             return findings
         if isinstance(scenario, ColumnImpact):
-            if self.integrator == "moreau" and self.time_step:
-                stable = 2.0 / self._highest_frequency(scenario.column)
-                findings += step_finding(self.time_step, stable)
             step = self._fixed_step(scenario)
             if step is not None:
                 findings += count_finding(scenario.duration, step, _MOST_STEPS)
@@ -172,30 +152,13 @@ class RigidBars(Answering):
         bars["mass"][:, 0] = bars["mass"][:, 1] = properties.impact_mass
         bars["mass"][:, 3] = column.head_mass
         force, flexibility = bars["load"], np.sum(1.0 / axial, axis=1)
-        if self.spring_shares_load:
-            force = force / (1.0 + bars["spring"] * flexibility)
-        else:
-            bars["unstressed"] = -force * flexibility
+        bars["unstressed"] = -force * flexibility
         zero = np.zeros(count)
         return bars, np.stack([zero, -force / axial[:, 0], zero, -force * flexibility], axis=1)
 
-    def _highest_frequency(self, column: Column) -> float:
-        """Bound of the highest (axial) circular frequency, in rad/s."""
-        bars, _ = self.bars(column)
-        axial = bars["stiffness"][:, 0]
-        square = float(np.sum(axial)) / column.properties.impact_mass
-        if column.head_mass > 0.0 and bars["free_head"]:
-            square = max(square, (axial[1] + column.restraint_stiffness) / column.head_mass)
-        return float(np.sqrt(square))
-
     def _fixed_step(self, scenario: ColumnImpact) -> float | None:
         """The time step (s) of all steps, or None where the error controls them."""
-        step = self.time_step
-        if step is None and self.integrator == "moreau":
-            column = with_hit_mass(scenario, self.hit_mass).column
-            share = 0.05 if scenario.striker.restitution > 0.0 else 0.2
-            step = share / self._highest_frequency(column)
-        return None if step is None else min(step, scenario.duration / 20)
+        return None if self.time_step is None else min(self.time_step, scenario.duration / 20)
 
     def pace(self, scenario: ColumnImpact, refinement: int) -> Pace:
         """Pace of the impact; each `refinement` quarters tolerances, first and longest step."""
@@ -232,8 +195,7 @@ class RigidBars(Answering):
         tables = self._tables(column)
         records = np.zeros(steps + 1, tables.state)
         records["q"][0] = q
-        shared = q[U1] * bars["stiffness"][0, 0]
-        records["stress"][0, :, 0] = shared if self.spring_shares_load else -column.axial_load
+        records["stress"][0, :, 0] = -column.axial_load
         work = np.zeros(1, tables.work)[0]
         status, last, residual = statics.pushover(bars, path, least, records, work)
         if status != statics.OK:
@@ -250,8 +212,7 @@ class RigidBars(Answering):
         external = np.concatenate([[0.0], np.cumsum(pieces)])
         values["external_work"] = external + _dead_work(column, records)
         values["input_energy"] = external[-1]
-        warnings = self._reached(column, values)
-        return build_response(values, steps=len(force), warnings=warnings, **_NAMES)
+        return build_response(values, steps=len(force), **_NAMES)
 
     def _impact(self, scenario: ColumnImpact) -> Response:
         started, weight = perf_counter(), scenario.dead_force
@@ -272,9 +233,8 @@ class RigidBars(Answering):
         solved = perf_counter() - started
         values |= _histories(scenario.column, bars, records)
         values["plastic_rotation"] = march.turned(bars, run.records)
-        residual, rests = resting(scenario)
+        residual, warnings = resting(scenario)
         values |= run.peak(scenario.striker.rebounds) | residual
-        warnings = [*self._reached(scenario.column, values), *rests]
         response = build_response(values, time=records["time"], warnings=warnings, **_NAMES)
         response.attrs |= {"solve_time": solved, "dead_displacement": float(bars["sag"])}
         return response
@@ -293,8 +253,8 @@ class RigidBars(Answering):
         if equations.along_tangent(table[0]):
             room["finish_below"] = march.NEARLY if pace.error < inf else march.CLOSELY
         drive = striker.mass, striker.velocity, striker.restitution, 0.0
-        entry, given = _ENTRIES[self.integrator], (table, states, room)
-        run = follow(entry, given, pace, drive, march.RECORD, striker, scenario.acceleration)
+        given = table, states, room
+        run = follow(march.impact, given, pace, drive, march.RECORD, striker, scenario.acceleration)
         if run.collapsed:
             raise collapsed(table[0], run.records[-1])
         return table[0], run
@@ -332,7 +292,7 @@ def _histories(column: Column, bars: Any, records: dict[str, Array]) -> dict[str
     v, u1, _, u2 = records["q"]
     stress = records["stress"]
     resistance, slides = column.properties.shear_resistance, {}
-    if bars["sliding"] != kinematics.RIGID_IN_SHEAR:
+    if bars["sliding"]:
         shear, resistance = np.abs(stress[:, 3]), bars["web"]["shear"]
         slides["sliding"] = records["plastic"][:, 3]
     else:

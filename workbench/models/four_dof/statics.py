@@ -20,7 +20,6 @@ from workbench.steel.hinges.panel_kernels import WEB
 
 OK, NO_CONVERGENCE, COLLAPSE = 0, 1, 2
 TOLERANCE = 1e-10  # of the squash load
-FREE, HELD = np.True_, np.False_  # not True and False, for each of which numba compiles anew
 _FLOWS = 1e-13  # of the elastic stiffness; below it both middle hinges flow
 COLUMN = np.dtype(
     [
@@ -33,7 +32,7 @@ COLUMN = np.dtype(
         ("alpha", float),  # exponents of the yield surface
         ("beta", float),
         ("web", WEB),  # of bars that slide
-        ("sliding", int),  # kinematics of them: none, chord, section
+        ("sliding", bool),  # whether bars do
         ("load", float),  # at the head, compression positive, N
         ("weight", float),  # at the hit point, along the strike, N
         ("sag", float),  # displacement there before the hit, m
@@ -50,7 +49,6 @@ STATE = np.dtype(
         ("w", float, 4),  # their velocities
         ("stress", float, (2, 4)),  # N, M_end, M_mid, V of the bars below and above
         ("plastic", float, (2, 4)),  # plastic elongation, rotations and sliding
-        ("turn", float, 2),  # phi, rotation of the sections of bars that slide
         ("force", float),  # F_v, the resistance to the hit, N
         ("dissipated", float),  # since the start, J
         ("elastic", float),  # of hinges, webs and the restraint spring, J
@@ -59,8 +57,6 @@ STATE = np.dtype(
 WORK = np.dtype(  # room for the numbers of one evaluation
     [
         *((name, float, 4) for name in ("F", "mean", "R", "moved", "step", "old", "q0", "w0")),
-        ("E", float, 4),
-        ("Q", float, 4),
         ("F0", float, 4),  # forces with which the step began
         (
             "finish_below",
@@ -71,10 +67,9 @@ WORK = np.dtype(  # room for the numbers of one evaluation
         ("nested", int),  # whether the rotation is balanced inside every evaluation
         ("dt", float),  # of the step that is solved, s
         ("rate", float, 4),  # mean velocities of the last step
-        *((name, float, (4, 4)) for name in ("K", "J", "B", "D4", "K4", "K0")),
+        *((name, float, (4, 4)) for name in ("K", "J", "K0")),
         ("f", float, (2, 3)),
         ("stress0", float, (2, 4)),
-        ("turn0", float, 2),
         ("k", float, (2, 3, 3)),  # what is on and above the diagonal
         ("D", float, (2, 3, 3)),
         ("branch", int, 2),  # of the projection
@@ -120,7 +115,6 @@ def assign(source, target):
     copy(source.w, target.w)
     copy(source.stress, target.stress)
     copy(source.plastic, target.plastic)
-    copy(source.turn, target.turn)
     target.force, target.dissipated = source.force, source.dissipated
     target.elastic = source.elastic
 
@@ -131,9 +125,6 @@ def bar_forces(column, bar, state, work):
     plastic, stress = state.plastic, state.stress
     small, length = column.small_rotations, column.lengths[bar]
     v, x, b = geometry.place(state.q, column.lengths, bar)
-    if column.sliding == geometry.SECTION:
-        geometry.section_forces(column, bar, (v, x, b), state, work)
-        return
     stretch, angle = geometry.stretch_and_angle(v, x, length, small)
     elastic = stretch - plastic[bar, 0], angle - plastic[bar, 1], b - angle - plastic[bar, 2]
     NN, N1, N2, M11, M12, M22 = hinge_forces(column, bar, elastic, state, work)
@@ -201,8 +192,8 @@ def balance_rotation(column, state, work):
     _, above = geometry.stretch_and_angle(v, x, lengths[ABOVE], column.small_rotations)
     one, two = below + state.plastic[BELOW, 2], -above - state.plastic[ABOVE, 2]
     low, high = min(one, two), max(one, two)
-    if column.sliding != geometry.RIGID_IN_SHEAR:
-        low, high = geometry.wider(column, state, low, high)
+    if column.sliding:
+        low, high = geometry.wider(state, low, high)
     if state.plastic.shape[1] > 4:  # flow near one end of a bar turns its other end as well
         reach = abs(below - state.plastic[BELOW, 1]) + abs(above - state.plastic[ABOVE, 1])
         low, high = low - reach, high + reach
@@ -227,8 +218,8 @@ def hold(A, i):
 
 
 @njit(cache=True, error_model="numpy")
-def axial_equilibrium(column, free_u1, free_u2, state, work):
-    """Solve F_u1 = F_u2 = F_beta = 0 at fixed v1 (and fixed u1 or u2 where not free).
+def axial_equilibrium(column, free_u2, state, work):
+    """Solve F_u1 = F_u2 = F_beta = 0 at fixed v1 (and fixed u2 where not free).
 
     Newton on the axial unknowns with the rotation balanced inside every evaluation, backtracking
     on the larger residual over N_p, and a growing diagonal shift where backtracking fails.
@@ -237,7 +228,7 @@ def axial_equilibrium(column, free_u1, free_u2, state, work):
     q, F, K, J, step, old = state.q, work.F, work.K, work.J, work.step, work.old
     Np, shift = column.squash_loads[0], 0.0
     balance_rotation(column, state, work)
-    norm = max(abs(F[U1]) * free_u1, abs(F[U2]) * free_u2) / Np
+    norm = max(abs(F[U1]), abs(F[U2]) * free_u2) / Np
     for _ in range(60):
         if norm <= TOLERANCE:
             break
@@ -251,17 +242,17 @@ def axial_equilibrium(column, free_u1, free_u2, state, work):
         while not better and shift < 1e3:
             more = shift * column.stiffness[BELOW, 0]
             J[U1, U1], J[U1, U2], J[U2, U1], J[U2, U2] = k11 + more, k12, k12, k22 + more
-            step[V], step[U1] = 0.0, -r1 if free_u1 else 0.0
+            step[V], step[U1] = 0.0, -r1
             step[BETA], step[U2] = 0.0, -r2 if free_u2 else 0.0
             for i in range(4):
-                if not ((i == U1 and free_u1) or (i == U2 and free_u2)):
+                if not (i == U1 or (i == U2 and free_u2)):
                     hold(J, i)
             factor = 1.0
             for _half in range(12 if solve_four(J, step) else 0):
                 for i in range(4):
                     q[i] = old[i] + factor * step[i]
                 balance_rotation(column, state, work)
-                new = max(abs(F[U1]) * free_u1, abs(F[U2]) * free_u2) / Np
+                new = max(abs(F[U1]), abs(F[U2]) * free_u2) / Np
                 if new < norm * (1.0 - 1e-4 * factor):
                     norm, better = new, True
                     break
@@ -286,8 +277,10 @@ def update_plastic_deformations(column, start, state, work):
         length, small = column.lengths[bar], column.small_rotations
         stretch, angle = geometry.stretch_and_angle(v, x, length, small)
         total = (stretch, angle, b - angle)
-        if column.sliding != geometry.RIGID_IN_SHEAR:
-            total = geometry.commit_sliding(column, bar, (v, x, b), total, start, state, work)
+        if column.sliding:  # its work is in that of the moments, whose rotations it adds to
+            sheared = state.stress[bar, 3] * length / column.web.stiffness / length
+            state.plastic[bar, 3] += work.flow[bar, 3]
+            total = (stretch, angle - sheared, b - angle + sheared)
         for j in range(3):
             new = total[j]  # a pin: all of its rotation is free
             if column.stiffness[bar, j] > 0.0:
@@ -306,7 +299,7 @@ def store(column, state):
     energy = column.spring * (state.q[U2] - column.unstressed) ** 2
     for i in range(2):
         energy += f[i, 0] * Q[i, 0] ** 2 + f[i, 1] * Q[i, 1] ** 2 + f[i, 3] * Q[i, 2] ** 2
-        if column.sliding != geometry.RIGID_IN_SHEAR:
+        if column.sliding:
             energy += Q[i, 3] ** 2 * column.lengths[i] / column.web.stiffness
     state.elastic = 0.5 * energy
 
@@ -329,7 +322,7 @@ def pushover(column, path, least, records, work):
             copy(q, work.q0)
             stride = min(stride, 1.0 - at)
             q[V] = origin + (at + stride) * (path[i] - origin)
-            residual = axial_equilibrium(column, FREE, column.free_head, state, work)
+            residual = axial_equilibrium(column, column.free_head, state, work)
             if residual <= TOLERANCE:
                 update_plastic_deformations(column, work.stress0, state, work)
                 copy(state.stress, work.stress0)

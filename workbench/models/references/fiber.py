@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from workbench.base.arrays import Array
-from workbench.base.fields import Choice, Number, checked
+from workbench.base.fields import Number, checked
 from workbench.mechanics.frames.elastic import Spans, line_wave_times, spans_to, time_to_peak
 from workbench.mechanics.frames.members import LAYERS, check_layers, fiber_overrides
 from workbench.mechanics.frames.structure import FrameStructure, stand_frame
 from workbench.mechanics.structures.fibers import FiberElements
 from workbench.models.base import respond
-from workbench.models.frame_model import EXPLICIT, IMPLICIT, FrameModel, as_frame
+from workbench.models.frame_model import FrameModel, as_frame
 from workbench.models.references.fiber_mesh import (
     FiberMembers,
     FrameMesh,
@@ -63,23 +63,17 @@ class FiberReference(FrameModel):
         Number(1e-8, 1e-2, "s"),
         optional=True,
         help="None: 1/20 of the time of an axial wave along the longest member, 1/10 in a single "
-        "one, at first at most 1/130 of the expected time to the peak; if explicit a bound and the "
-        "interval of records",
+        "one, at first at most 1/130 of the expected time to the peak",
     )
     refinement: int = checked(
         REFINEMENT, 0, help="how often all elements and steps are halved (negative: doubled)"
     )
     step_refinement: int = checked(REFINEMENT, 0, help=HALVED_STEPS)
     levels: int = checked(LEVELS, 3, help=MESHES)
-    integrator: str = checked(
-        Choice((IMPLICIT, EXPLICIT)),
-        IMPLICIT,
-        help="energy-exact steps, or central differences with lumped mass",
-    )
     weight: float = checked(
         Number(0.5, 1.0, advice="1/2 conserves energy, 1 dissipates most"),
         0.5,
-        help="of the end stresses in an implicit step; more than 1/2 damps waves",
+        help="of the end stresses in a time step; more than 1/2 damps waves",
     )
     hardening_ratio: float = checked(
         Number(0.0, 0.1), 1e-6, help="regularising hardening over the elastic modulus"
@@ -87,7 +81,6 @@ class FiberReference(FrameModel):
 
     judged: ClassVar[bool] = False
     unused: ClassVar[tuple[str, ...]] = ("joint.axial_stiffness", "joint.*_resistance")
-    crushing: ClassVar[bool] = True
     collision_halvings: ClassVar[int] = 5
     longer: ClassVar[float] = 1.0  # steps, where less is left of the waves
     largest_error: ClassVar[float | None] = None  # refinement measures it
@@ -153,8 +146,7 @@ class FiberReference(FrameModel):
         springs = joint_springs(frame, mesh)
         members = FiberMembers(frame, mesh, beams, springs, self.sampled, self.shear_yields)
         groups = [beams] if springs is None else [beams, springs]
-        lumped = self.integrator == EXPLICIT
-        return stand_frame(frame, mesh.coordinates, groups, members, ties=mesh.ties, lumped=lumped)
+        return stand_frame(frame, mesh.coordinates, groups, members, ties=mesh.ties)
 
     def placed(self, mesh: FrameMesh) -> FrameMesh:
         """The mesh with its nodes where they are before any load."""

@@ -48,12 +48,6 @@ class ExactBeams(FiberReference):
     """
 
     residual_stress: str = checked(Choice(PATTERNS), "none", help="pattern in an I section")
-    residual_ratio: float | None = checked(
-        Number(0.0, 1.0),
-        optional=True,
-        help="its peak over the yield stress (None: 0.5 for profiles up to 1.2 times as high as "
-        "wide, else 0.3)",
-    )
     out_of_straightness: float = checked(
         Number(-0.02, 0.02, advice="amplitude over length: 1/1000 is 0.001"),
         0.0,
@@ -91,7 +85,7 @@ class ExactBeams(FiberReference):
         Shear yields in the fibers along the shear force, or strains the shear area elastically.
         """
         section, steel = frame.strength_section(member), frame.steel
-        fibers = section_fibers(section, self.layers, self.residual_stress, self.residual_ratio)
+        fibers = section_fibers(section, self.layers, self.residual_stress)
         return BeamSection(
             fibers.y,
             fibers.area,

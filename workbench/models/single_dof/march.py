@@ -1,10 +1,9 @@
 """One mass on its spring as the integrator of `workbench.mechanics.impact` takes it.
 
-Two entries: `impact` with energy-conserving midpoint steps, as long as the error allows or equal;
-`explicit_impact` with Moreau's steps; `pulse` has a third. `impacts` follows many columns, with
-curve, pace and numbers of each. Once the striker cannot come back and the column swings on a
-straight line, the rest of the record is exact: a rotation in the plane of displacement and velocity
-over frequency.
+The entry `impact` takes energy-conserving midpoint steps, as long as the error allows or equal;
+`pulse` has another. `impacts` follows many columns, with curve, pace and numbers of each. Once the
+striker cannot come back and the column swings on a straight line, the rest of the record is exact:
+a rotation in the plane of displacement and velocity over frequency.
 """
 
 from typing import Any, NamedTuple
@@ -12,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from workbench.base.compiled import njit
-from workbench.mechanics.impact.contact import explicit_percussion, inner, moreau_step_of, uncounted
+from workbench.mechanics.impact.contact import explicit_percussion, inner, uncounted
 from workbench.mechanics.impact.integrator import (
     COLLAPSE,
     COMMON,
@@ -193,43 +192,10 @@ def coast(s, pace, progress, records, n):
     return n + count
 
 
-@uncounted
-def drift(s, dt):
-    """Half a step of Moreau's with the velocity."""
-    now, trial = s.states[0], s.states[1]
-    put(trial, spring_moved(spring_of(now), now.v + 0.5 * dt * now.w, s.pieces))
-    return True, trial.v - now.sag
-
-
-@uncounted
-def push(s, dt):
-    """The velocity that the force in the middle leaves."""
-    now = s.states[0]
-    s.states[1].w = now.w - dt * (s.states[1].force - now.weight) / now.mass
-    return s.states[1].w, s.states[0].mass
-
-
-@uncounted
-def jump(s, dv, dt):
-    """Impulse, and the other half of the step."""
-    trial = s.states[1]
-    trial.w += dv
-    put(trial, spring_moved(spring_of(trial), trial.v + 0.5 * dt * trial.w, s.pieces))
-
-
-@uncounted
-def accept_trial(s, dt):
-    """Accept the trial state of Moreau's step."""
-    put(s.states[0], spring_of(s.states[1]))
-    s.states[0].w = s.states[1].w
-
-
-_FULL = Model(
-    *(hit, solve, no_flow, accept, write, lost), mass=mass_of, kick=kick, calm=calm, coast=coast
-)
-_march = march_of(_FULL)
-_explicit = march_of(
-    _FULL._replace(accept=accept_trial, step=moreau_step_of(hit, drift, push, jump))
+_march = march_of(
+    Model(
+        *(hit, solve, no_flow, accept, write, lost), mass=mass_of, kick=kick, calm=calm, coast=coast
+    )
 )
 
 
@@ -253,13 +219,6 @@ def impact(pieces, drive, progress, records):
     """
     s = OneMass(at_rest(drive, pieces), pieces, drive[DRIVE + 1])
     return _march(s, begin(drive, progress[0]), progress[0], records)
-
-
-@njit(cache=True, error_model="numpy")
-def explicit_impact(pieces, drive, progress, records):
-    """Follow an impact as `impact` does, with Moreau's explicit steps."""
-    s = OneMass(at_rest(drive, pieces), pieces, drive[DRIVE + 1])
-    return _explicit(s, begin(drive, progress[0]), progress[0], records)
 
 
 @njit(cache=True, error_model="numpy")

@@ -5,7 +5,6 @@ axial force gives an explicit force-displacement curve; it serves as the envelop
 one-dimensional elasto-plastic law. Mass M_B, a third of the column, meets the striker M_A.
 """
 
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil, isnan, pi, sqrt
@@ -15,12 +14,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from workbench.base.arrays import Array, Flags
-from workbench.base.errors import CollapseError, OutOfDomainError
-from workbench.base.fields import Choice, Number, checked
+from workbench.base.errors import CollapseError
+from workbench.base.fields import Number, checked
 from workbench.mechanics.impact.pace import Pace
 from workbench.mechanics.impact.records import Run, follow, followed
 from workbench.models.batch import LOST, SURVIVES, UNKNOWN, Answers
-from workbench.models.domain import step_finding
+from workbench.models.domain import count_finding
 from workbench.models.energy_estimate import energy_to_absorb
 from workbench.models.hit_mass import with_hit_mass
 from workbench.models.resistance import PANEL, OnCurve, ResistanceCurve, column_curve, columns
@@ -39,9 +38,6 @@ from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScen
 from workbench.scenarios.pulse import UNIFORM
 from workbench.scenarios.varied import spread, take
 
-_ENTRIES = {"midpoint": march.impact, "moreau": march.explicit_impact}
-_FINE_STEPS = 1000  # of Moreau's scheme in the period of the impact mass on the steepest stiffness
-_MOST_STEPS = 400_000
 _PUSH_STEPS = 1000
 
 
@@ -49,12 +45,10 @@ _PUSH_STEPS = 1000
 class SingleDof(OnCurve):
     """Single-degree-of-freedom column."""
 
-    integrator: str = checked(Choice(tuple(_ENTRIES)), "midpoint", help="moreau: explicit")
     time_step: float | None = checked(
         Number(1e-8, 1.0, "s"),
         optional=True,
-        help="None: by the error, the energy is kept whatever the step; of moreau a 1000th of the "
-        "shortest period",
+        help="None: by the error, the energy is kept whatever the step",
     )
     radiation_damping: float = checked(
         Number(0.0, 1e12, "N s/m"),
@@ -82,11 +76,7 @@ class SingleDof(OnCurve):
         "without it, and behind its last point there is no answer.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
-
-    @property
-    def crushing(self) -> bool:
-        """Whether its steps know a striker that crushes."""
-        return self.integrator == "midpoint"
+    crushing: ClassVar[bool] = True
 
     def curve(self, column: Column, uniform: bool = False) -> ResistanceCurve:
         """Resistance of the column at its hit point, to half of a `uniform` load if that acts.
@@ -121,7 +111,7 @@ class SingleDof(OnCurve):
         """Findings of all member models, and those of the rigid-bar mechanism and the scheme."""
         findings = columns.curve_findings(scenario, self.resistance)
         if isinstance(scenario, ColumnImpact) and self.time_step is not None:
-            findings += self._step_findings(scenario, self.time_step)
+            findings += count_finding(scenario.duration, self.time_step, march.MOST_STEPS)
         if self.radiation_damping > 0.0 and not isinstance(scenario, MemberPulse):
             findings.append(finding("damping-of-pulses", self.radiation_damping))
         law = isinstance(scenario, MemberPulse) and scenario.column.steel.rate
@@ -129,27 +119,9 @@ class SingleDof(OnCurve):
             findings.append(finding("strain-rate", kind=scenario.KIND))
         return findings
 
-    def _step_findings(self, scenario: ColumnImpact, step: float) -> list[Finding]:
-        """Refusals of a time step that the caller has set."""
-        findings = []
-        if scenario.duration / step > march.MOST_STEPS:
-            findings.append(
-                finding(
-                    "more-steps-than-kept",
-                    step=step,
-                    count=scenario.duration / step,
-                    duration=scenario.duration,
-                    most=march.MOST_STEPS,
-                )
-            )
-        if self.integrator == "moreau":
-            with suppress(OutOfDomainError):  # told by the solution itself
-                findings += step_finding(step, self.period(scenario.column) / pi)
-        return findings
-
     def stackable(self, scenario: ColumnScenario) -> bool:
         """Whether it answers such impacts in stacks."""
-        plain = self.integrator == "midpoint" and not self.time_step and not self.radiation_damping
+        plain = not self.time_step and not self.radiation_damping
         return plain and self.curve_stacks(scenario)
 
     def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> Answers:
@@ -193,8 +165,7 @@ class SingleDof(OnCurve):
         blow = striker.mass, striker.velocity, striker.restitution, 0.0
         sag, gravity = columns.displacement_under(curve, column, weight), scenario.acceleration
         drive = *blow, curve.elastic_limit, limit, column.properties.impact_mass, weight, sag
-        entry, tables = _ENTRIES[self.integrator], (curve.pieces,)
-        run = follow(entry, tables, pace, drive, march.RECORD, striker, gravity)
+        run = follow(march.impact, (curve.pieces,), pace, drive, march.RECORD, striker, gravity)
         if run.collapsed:
             v, w = (float(run.records[name][-1]) for name in ("displacement", "velocity"))
             when, energy = run.progress["time"] - (v + sag - limit) / w, energy_to_absorb(scenario)
@@ -209,10 +180,9 @@ class SingleDof(OnCurve):
     def pace(self, column: Column, duration: float, bounces: bool) -> Pace:
         """How an impact followed for a `duration` (s) is stepped through."""
         period, step = self.period(column), self.time_step
-        if step is None and self.integrator == "midpoint":
+        if step is None:
             pace: Pace = march.pace_of(period, duration, bounces)
             return pace
-        step = step or max(period / _FINE_STEPS, duration / _MOST_STEPS)
         return Pace.equal(duration, duration / max(1, ceil(duration / step)), march.MOST_STEPS)
 
     def _impact(self, scenario: ColumnImpact, weight: float) -> Response:

@@ -42,7 +42,6 @@ _BECAUSE = {  # subjects of warnings that a measured error replaces, as its caus
     "buckling": "the axial load bends what is deflected",
     "shear": "webs yield in shear",
     "stub": "a segment is hardly longer than its section is high",
-    "sliding": "a web slides",
     "plates": "the strength given is not that of the plates",
     "small-rotations": "bars turn far",
     "simplification": "the resistance is simplified",

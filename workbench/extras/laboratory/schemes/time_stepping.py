@@ -36,8 +36,9 @@ A second impulse Psi (kg m) moves bodies apart that velocities alone would let o
 in the midpoint step, whose forces see the moved place; the split form moves after it. The mass
 weighting M^-1 W Psi keeps the centre of mass; (3.34) prints W Psi. Moving does work against the
 forces: energy is not kept. Acary constrains whatever contact would end overlapped; Studer's first
-form, `late` false, those alone that the forecast finds overlapped (reconstruction: Heng 2017 says
-only that it oscillates), not a gap just closed: a body at rest falls for a step, then is caught.
+form, `late` false, those alone that the forecast finds overlapped (reconstruction, not verified in
+print: Heng 2017 says only that it oscillates), not a gap just closed: a body at rest falls for a
+step, then is caught.
 """
 
 import numpy as np
@@ -93,8 +94,8 @@ def _implicit_step(theta: float, reach: float, turns: int = 0) -> Stepper:
     return step
 
 
-def moreau_midpoint(at_end: bool = True) -> Stepper:
-    """The step; stable up to h = 2 / omega. `at_end`: plastic flow at the end of a step too."""
+def moreau_midpoint() -> Stepper:
+    """The step; stable up to h = 2 / omega. Plastic flow in the middle and at the end of a step."""
 
     def step(system: System, law: Law, state: State, h: float) -> Step:
         middle = state.q + 0.5 * h * state.v
@@ -105,8 +106,7 @@ def moreau_midpoint(at_end: bool = True) -> Stepper:
         t = state.t + h
         v, P, residual = impulses_on(system, law, closed, system.mass, free, state, t)
         q = middle + 0.5 * h * v
-        if at_end:
-            system.commit(q)
+        system.commit(q)
         return Step(State(q, v, state.a, P / h, t), P, 1, residual, np.nan)
 
     return step
@@ -158,14 +158,10 @@ def _exact(G: Array, bare: Array, psi: Array) -> Array:
     return psi
 
 
-def gear_gupta_leimkuhler(
-    reach: float = 1.0, split: bool = False, all_gaps: bool = True, late: bool = True
-) -> Stepper:
+def gear_gupta_leimkuhler(reach: float = 1.0, split: bool = False, late: bool = True) -> Stepper:
     """The step, simultaneous or `split`; `reach` as in `energy_midpoint`.
 
-    Without `all_gaps` the split form moves only contacts that push, as `four-dof` does: an overlap
-    that ends a step without impulse stays for that step. Without `late` no contact joins that the
-    forecast does not find overlapped (Studer).
+    Without `late` no contact joins that the forecast does not find overlapped (Studer).
     """
     reach = REACH.check("ggl.reach", reach)
 
@@ -177,7 +173,7 @@ def gear_gupta_leimkuhler(
             evaluations += count
             if split:
                 system.commit(q)
-                closed = (P > 0.0) | all_gaps
+                closed = np.ones(P.size, bool)
             gaps, change = gaps_of(system, q, t), np.zeros(q.size)
             if (closed & ((gaps < -_OVERLAP) | (psi > 0.0))).any():
                 new, left = move_apart(system, gaps, psi, closed)

@@ -228,14 +228,12 @@ class SectionFibers(NamedTuple):
     residual: Array
 
 
-def section_fibers(
-    section: Section, layers: int, pattern: str = "none", peak: float | None = None
-) -> SectionFibers:
+def section_fibers(section: Section, layers: int, pattern: str = "none") -> SectionFibers:
     """Cut a section into the strips of `Section.fibers`, flanges also across if need be.
 
-    Arguments: `section`; even number of `layers` over the depth; `pattern` of residual stresses;
-    their `peak` over the yield stress (None: 0.5 for profiles up to 1.2 times as high as wide,
-    0.3 for others). Raises `InputError` for residual stresses in anything but an I section.
+    Arguments: `section`; even number of `layers` over the depth; `pattern` of residual stresses,
+    whose peak over the yield stress is 0.5 for profiles up to 1.2 times as high as wide, 0.3 for
+    others. Raises `InputError` for residual stresses in anything but an I section.
     """
     if pattern == "none":
         y, area = section.fibers(layers)
@@ -246,8 +244,7 @@ def section_fibers(
         raise InputError(
             "option.residual_stress", pattern, "is known for I sections only", "use none"
         )
-    if peak is None:
-        peak = PEAK[shape.height <= STOCKY * shape.width]
+    peak = PEAK[shape.height <= STOCKY * shape.width]
     web, flange, *fillets = (group.strips() for group in shape.layers(layers // 2))
     edges = np.linspace(0.0, 1.0, len(web[0]) + 1)
     cuts = np.linspace(0.0, 1.0, ACROSS + 1)

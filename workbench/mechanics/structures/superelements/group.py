@@ -253,13 +253,6 @@ class Superelements(HingedElements):
         """Committed kinetic energy of the nonlinear rotary inertia, in J."""
         return 0.5 * float(self._tables.rotary @ self._old.rate**2)
 
-    def turn_with(self, displacement: Array, velocity: Array) -> None:
-        """Give the chords the angular velocities that the nodes have (dofs,), in m and m/s."""
-        first, last = self.bars.dofs[:, 0:2], self.bars.dofs[:, 3:5]
-        d = self.bars.chords + displacement[last] - displacement[first]
-        v = velocity[last] - velocity[first]
-        self._old.rate[:] = (d[:, 0] * v[:, 1] - d[:, 1] * v[:, 0]) / np.sum(d**2, axis=1)
-
     @property
     def plastic(self) -> Array:
         """Committed plastic deformations (elements, 4), without `plastic_shear`."""
