@@ -66,7 +66,7 @@ class ColumnSystem(_Struck):
         return _with_striker(K[np.ix_(_MOVING, _MOVING)], 0.0)
 
     def forces(self, q: Array) -> tuple[Array, Array]:
-        """Forces and tangent, see `workbench.extras.laboratory.system.System`, as of the other methods."""
+        """Forces and tangent, see `laboratory.system.System`, as of the other methods."""
         self._at(q)
         return np.append(self._work["F"][_MOVING], 0.0), self._tangent()
 
@@ -147,7 +147,7 @@ class StructureSystem(_Struck):
         return np.append(force[self.free], 0.0), tangent
 
     def forces(self, q: Array) -> tuple[Array, Array]:
-        """Forces and tangent, see `workbench.extras.laboratory.system.System`, as of the other methods."""
+        """Forces and tangent, see `laboratory.system.System`, as of the other methods."""
         return self._forces(q, None)
 
     def mean_forces(self, _q0: Array, q1: Array) -> tuple[Array, Array]:
