@@ -1,6 +1,7 @@
 """The command line: ``workbench VERB ...``. Nothing heavy is imported before a verb runs."""
 
 import codecs
+import gc
 import os
 import re
 import signal
@@ -8,6 +9,7 @@ import sys
 import unicodedata
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -31,6 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Bad input is one line on the error stream, without a traceback. An interrupt (Ctrl-C) ends
     with 130.
     """
+    gc.set_threshold(100_000)  # imports make many objects that stay: to go through them takes long
     _prepare()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # else deaf beside a shell
     sys.exit(run(sys.argv[1:] if arguments is None else arguments))
@@ -41,7 +44,8 @@ def run(arguments: Sequence[str]) -> int:
     from workbench.cli.output import InterruptedByUserError
 
     try:
-        status = _application()(list(arguments), prog_name="workbench", standalone_mode=False)
+        application = _application(*arguments[:1])
+        status = application(list(arguments), prog_name="workbench", standalone_mode=False)
         sys.stdout.flush()
         if status == INTERRUPTED:  # what the argument parser makes of Ctrl-C
             raise InterruptedByUserError("interrupted")
@@ -68,14 +72,27 @@ def run(arguments: Sequence[str]) -> int:
         return _say(error.format_message(), BAD_INPUT)
 
 
-def _application() -> Callable[..., Any]:
-    """All verbs as one function of the arguments."""
+_VERBS = {  # module of this room: its verbs; one that has verbs of its own is an `app`
+    "models": ("models", "advise"),
+    "simulate": ("simulate",),
+    "vary": ("limit", "sweep"),
+    "fragility": ("fragility", "verify"),
+    "sample": ("sample", "gather", "sensitivity", "rare"),
+    "serve": ("serve",),
+    "studies": ("run", "status", "report", "validate"),
+    "fit": (),
+    "new": (),
+    "data": (),
+    "chart": (),
+    "doctor": ("doctor",),
+}
+
+
+def _application(verb: str = "") -> Callable[..., Any]:
+    """All verbs as one function of the arguments; only that of a `verb` that there is."""
     import typer
 
     from workbench import __version__
-    from workbench.cli import data, doctor, fit, models, new, simulate, studies, vary
-    from workbench.extras.practice import chart
-    from workbench.extras.uncertainty.verbs import fragility, sample, serve
 
     app = typer.Typer(
         add_completion=False,
@@ -95,25 +112,13 @@ def _application() -> Callable[..., Any]:
         elif context.invoked_subcommand is None:
             typer.echo(context.get_help())
 
-    app.command("models")(models.models)
-    app.command("advise")(models.advise)
-    app.command("simulate")(simulate.simulate)
-    app.command("limit")(vary.limit)
-    app.command("fragility")(fragility.fragility)
-    app.command("verify")(fragility.verify)
-    app.command("sweep")(vary.sweep)
-    app.command("sample")(sample.sample)
-    app.command("gather")(sample.gather)
-    app.command("sensitivity")(sample.sensitivity)
-    app.command("rare")(sample.rare)
-    app.command("serve")(serve.serve)
-    for function in (studies.run, studies.status, studies.report, studies.validate):
-        app.command(function.__name__)(function)
-    app.add_typer(fit.app, name="fit")
-    app.add_typer(new.app, name="new")
-    app.add_typer(data.app, name="data")
-    app.add_typer(chart.app, name="chart")
-    app.command("doctor")(doctor.doctor)
+    home = [module for module, verbs in _VERBS.items() if verb in (verbs or (module,))]
+    for module in home or _VERBS:
+        room = import_module(f"workbench.cli.{module}")
+        for name in _VERBS[module]:
+            app.command(name)(getattr(room, name))
+        if not _VERBS[module]:
+            app.add_typer(room.app, name=module)
     command: Callable[..., Any] = typer.main.get_command(app)
     return command
 

@@ -34,7 +34,7 @@ from workbench.extras.uncertainty.critical_velocity import (
 )
 from workbench.extras.uncertainty.fragility_curve import LEVEL
 from workbench.extras.uncertainty.inputs import UncertainScenario
-from workbench.models.base import Model, on_one_mesh
+from workbench.models.base import LONGER, Model, on_one_mesh
 from workbench.models.batch import FAILURE, OUTCOME, can_stack, simulate_many
 from workbench.responses import SCALARS, Outcome, outcome_of
 from workbench.responses.uncertainty import WIDTHS
@@ -43,7 +43,6 @@ from workbench.scenarios.column import DURATION
 from workbench.scenarios.varied import Path_, Varied
 from workbench.study.error_model.error_model import PEAK
 from workbench.study.executors import deaf_to_interrupts, end_with_parent
-from workbench.study.limit import LONGER
 
 MESH_LEVELS = 6  # of the runs on finer meshes
 CHUNK, PARTS = 256, 8  # scenarios that a process answers at a time, at most; times that it is asked
