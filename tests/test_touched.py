@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -18,8 +19,8 @@ from workbench.study.assess import assess
 
 ROOT = str(Path(workbench.__file__).parent)
 SCENARIO = load_scenario(Path(ROOT).parent / "data/published/heng2017_impact_column.toml")
-# of an answer six ask for inputs that are not used and for gravity
-MOST_OF_AN_ANSWER, MOST_OF_A_FIGURE = 66, 250
+MOST_OF_AN_ANSWER, MOST_OF_A_FIGURE = 60, 250
+MOST_WITH_ADVICE, MOST_MODULES = 350, 40
 KINDS = ("structure", "history", "deformed", "peaks", "energy", "cost", "interaction")
 
 
@@ -48,6 +49,38 @@ def test_a_closed_formula_touches_few_functions() -> None:
     model.simulate(SCENARIO)
     codes = touched(lambda: model.simulate(SCENARIO))
     assert len(codes) <= MOST_OF_AN_ANSWER, names(codes)
+
+
+@pytest.mark.parametrize("name", ["four-dof", "flexible-superelement"])
+def test_an_answer_with_advice_touches_few_functions(name: str) -> None:
+    workbench.simulate(SCENARIO, name)
+    codes = touched(lambda: workbench.simulate(SCENARIO, name))
+    assert len(codes) <= MOST_WITH_ADVICE, names(codes)
+    assert len({code.co_filename for code in codes}) <= MOST_MODULES, names(codes)
+
+
+# what an answer on the command line has no use for
+IDLE = (
+    *("matplotlib", "scipy.stats", "scipy.interpolate", "scipy.io", "skfem", "typst", "openpyxl"),
+    *("workbench.study", "workbench.studs", "workbench.report", "workbench.extras.uncertainty"),
+    *(
+        "workbench.models.references",
+        "workbench.extras.intake.impact_tests",
+        "workbench.extras.uncertainty.verbs.serve",
+    ),
+)
+
+
+def test_an_answer_on_the_command_line_loads_what_it_needs() -> None:
+    code = f"""if True:
+        import sys
+        from workbench.cli import run
+        file = "{ROOT}/../data/published/heng2017_impact_column.toml"
+        assert run(["simulate", file, "--model", "four-dof"]) == 0
+        print([name for name in {IDLE} if name in sys.modules], file=sys.stderr)
+    """
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stderr.splitlines()[-1] == "[]"
 
 
 @pytest.fixture(scope="module")

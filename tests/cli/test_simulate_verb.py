@@ -142,7 +142,7 @@ def test_a_wall_time_holds_no_compilation(
             return super().simulate(scenario)
 
     calls: list[Any] = []
-    monkeypatch.setattr("workbench.study.cells.TIMED_AGAIN_BELOW", again_below)
+    monkeypatch.setattr("workbench.base.compiled.TIMED_AGAIN_BELOW", again_below)
     response = timed(load_scenario(file), Compiling())
     assert len(calls) == (2 if again_below else 1)
     assert re.fullmatch(wall_time, time_of(response).text)

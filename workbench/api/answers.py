@@ -6,14 +6,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from workbench.api.accessor import Plots  # gives responses their `.workbench`, too
+import workbench.api.accessor  # noqa: F401 - gives responses their `.workbench`
 from workbench.api.summary import compared, html_of
 from workbench.base.errors import InputError
-from workbench.models.base import Model
+from workbench.models.base import Model, ask
 from workbench.models.registry import make_model
 from workbench.responses import Outcome, Response, outcome_of
 from workbench.scenarios import (
@@ -26,12 +26,12 @@ from workbench.scenarios import (
     Striker,
     load_scenario,
 )
-from workbench.studs import TESTS, ResidualFit, examine
-from workbench.studs import fit_residual as fit_rows
-from workbench.studs.reading import from_frame
-from workbench.study import Case, Figure, Study
 from workbench.study.error_model.advice import advised, choose, quick_reference
-from workbench.study.limit import ask
+
+if TYPE_CHECKING:
+    from workbench.api.plots import Plots
+    from workbench.studs import ResidualFit
+    from workbench.study import Study
 
 
 def load(path: Path | str, *overrides: str) -> Scenario:
@@ -179,6 +179,8 @@ class Comparison:
     @property
     def plot(self) -> Plots:
         """Pictures with all answers, as those of one response."""
+        from workbench.api.plots import Plots
+
         return Plots(self.scenario, self.responses, self.reference)
 
     def __getitem__(self, label: str) -> Response:
@@ -270,6 +272,8 @@ def study_of(
     >>> len(wb.study_of(hits, ["four-dof", "energy-estimate"], "four-dof").cases)
     2
     """
+    from workbench.study import Case, Figure, Study
+
     if not isinstance(scenarios, Mapping):
         pairs: list[tuple[str, Any]] = [(each.name, each) for each in scenarios]
     else:
@@ -303,6 +307,10 @@ def fit_residual(
     InputError
         For a table that cannot be read, with its first bad line, or without tests to fit.
     """
+    from workbench.studs import TESTS, examine
+    from workbench.studs import fit_residual as fit_rows
+    from workbench.studs.reading import from_frame
+
     if isinstance(table, pd.DataFrame):
         read = "use_for_fit" in table  # a table that was read is complete
         rows = table if read else from_frame(table, TESTS)

@@ -27,6 +27,8 @@ _ROOT = Path(__file__).resolve().parents[1]
 _IMPORTS = re.compile(r"^\s*from (workbench[\w.]*) import (\([^)]*\)|[^\n]*)", re.MULTILINE)
 _KERNELS = re.compile(r"^from (numba|workbench\.base\.compiled)\b", re.MULTILINE)
 _TYPES = re.compile(r"^class (\w+)\(NamedTuple\)", re.MULTILINE)
+# A first call may compile kernels; answers that take less than this are timed by a second call.
+TIMED_AGAIN_BELOW = 180.0  # s
 _KEPT = 8  # folders of a file, of older contents and of other installations too
 
 

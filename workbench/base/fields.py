@@ -8,6 +8,7 @@ import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from html import escape
+from operator import attrgetter
 from typing import Any, ClassVar, Self
 
 from workbench.base.errors import InputError
@@ -264,8 +265,7 @@ class Declared:
         try:
             value: int = self.__dict__["_kept"]["hash"]
         except KeyError:
-            compared = (f.name for f in dataclasses.fields(self) if f.compare)
-            value = self.kept["hash"] = hash(tuple(getattr(self, name) for name in compared))
+            value = self.kept["hash"] = hash(_compared(type(self))(self))  # type: ignore[arg-type]
         return value
 
     def __getstate__(self) -> dict[str, Any]:
@@ -334,6 +334,12 @@ def _checks(kind: type[Declared]) -> list[tuple[dataclasses.Field[Any], Rule, bo
         for field in dataclasses.fields(kind)
         if "rule" in (data := field.metadata)
     ]
+
+
+@cache
+def _compared(kind: type[Declared]) -> Callable[[Any], Any]:
+    """The values of an object of a class that take part in comparisons."""
+    return attrgetter(*(field.name for field in dataclasses.fields(kind) if field.compare))
 
 
 def did_you_mean(word: object, known: Iterable[str], otherwise: str = "") -> str:

@@ -1,6 +1,7 @@
 """The command line: ``workbench VERB ...``. Nothing heavy is imported before a verb runs."""
 
 import codecs
+import gc
 import os
 import re
 import signal
@@ -8,6 +9,7 @@ import sys
 import unicodedata
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from importlib import import_module
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Annotated, Any
@@ -33,6 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Bad input is one line on the error stream, without a traceback. An interrupt (Ctrl-C) ends
     with 130.
     """
+    gc.set_threshold(100_000)  # imports make many objects that stay: to go through them takes long
     _prepare()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # else deaf beside a shell
     sys.exit(run(sys.argv[1:] if arguments is None else arguments))
@@ -43,7 +46,8 @@ def run(arguments: Sequence[str]) -> int:
     from workbench.cli.output import InterruptedByUserError
 
     try:
-        status = _application()(list(arguments), prog_name="workbench", standalone_mode=False)
+        application = _application(*arguments[:1])
+        status = application(list(arguments), prog_name="workbench", standalone_mode=False)
         sys.stdout.flush()
         if status == INTERRUPTED:  # what the argument parser makes of Ctrl-C
             raise InterruptedByUserError("interrupted")
@@ -70,12 +74,23 @@ def run(arguments: Sequence[str]) -> int:
         return _say(error.format_message(), BAD_INPUT)
 
 
-def _application() -> Callable[..., Any]:
-    """All verbs as one function of the arguments."""
+_VERBS: dict[str, tuple[str, ...]] = {  # by module; one with verbs of its own is an `app`
+    "models": ("models", "advise"),
+    "simulate": ("simulate",),
+    "vary": ("limit", "sweep"),
+    "studies": ("run", "status", "report", "validate"),
+    "fit": (),
+    "new": (),
+    "data": (),
+    "doctor": ("doctor",),
+}
+
+
+def _application(verb: str = "") -> Callable[..., Any]:
+    """All verbs as one function of the arguments; only that of a `verb` that there is."""
     import typer
 
     from workbench import __version__
-    from workbench.cli import data, doctor, fit, models, new, simulate, studies, vary
 
     app = typer.Typer(
         add_completion=False,
@@ -95,19 +110,23 @@ def _application() -> Callable[..., Any]:
         elif context.invoked_subcommand is None:
             typer.echo(context.get_help())
 
-    app.command("models")(models.models)
-    app.command("advise")(models.advise)
-    app.command("simulate")(simulate.simulate)
-    app.command("limit")(vary.limit)
-    app.command("sweep")(vary.sweep)
-    for function in (studies.run, studies.status, studies.report, studies.validate):
-        app.command(function.__name__)(function)
-    groups = {"fit": fit.app, "new": new.app, "data": data.app}
-    for point in offered("verbs"):
+    points = offered("verbs")
+    home = [module for module, verbs in _VERBS.items() if verb in (verbs or (module,))]
+    if home or verb in {point.name for point in points}:
+        points = [point for point in points if point.name.partition(".")[0] == verb]
+    else:
+        home = list(_VERBS)
+    groups = {}
+    for module in home:
+        room = import_module(f"workbench.cli.{module}")
+        for name in _VERBS[module]:
+            app.command(name)(getattr(room, name))
+        if not _VERBS[module]:
+            groups[module] = room.app
+    for point in points:
         _add(point, app, groups)
     for name, group in groups.items():
         app.add_typer(group, name=name)
-    app.command("doctor")(doctor.doctor)
     command: Callable[..., Any] = typer.main.get_command(app)
     return command
 

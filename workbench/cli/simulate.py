@@ -78,13 +78,10 @@ def simulate(
     from workbench.api.answers import Comparison, asked, simulate
     from workbench.api.summary import as_object
     from workbench.responses import outcome_of
-    from workbench.study.assessment.variations import RATED, STATIC, Budget
     from workbench.study.error_model.advice import no_reference, quick_reference
 
     spreads = pairs_of("--spread", spread, "velocity=0.1")
-    errors = Budget("", (), spreads) if budget else None
-    if errors is not None:
-        errors.variations(given)
+    errors = _budget(given, spreads) if budget else None
     values = pairs_of("--option", options)
     chosen = {name: asked(name, **values) for name in model or ()}  # all, before the work
     with at_work(f"{', '.join(model) if model else 'the model of the advice'} at work"):
@@ -114,6 +111,7 @@ def simulate(
     shown = list(_blocks(first, given.name, content, full))
     if errors is not None:
         from workbench.report.chapters.budgets import simulated
+        from workbench.study.assessment.variations import RATED, STATIC
 
         asked_model = asked(first.attrs["model"], **values)
         terms = _budgeted(errors, asked_model, given, first)
@@ -124,6 +122,15 @@ def simulate(
         shown += simulated(terms)
     files = {"response": target, "picture": picture}
     return Answer(content, shown, int(not outcome_of(first).is_answer), files)
+
+
+def _budget(scenario: Scenario, spreads: dict[str, float]) -> Budget:
+    """The budget with these spreads of inputs. Raises `InputError` where it cannot be drawn up."""
+    from workbench.study.assessment.variations import Budget
+
+    errors = Budget("", (), spreads)
+    errors.variations(scenario)
+    return errors
 
 
 def _write(target: Path, scenario: Scenario, response: Response) -> None:
@@ -144,7 +151,7 @@ def timed(scenario: Scenario, model: Model | None = None, **options: Any) -> Res
     from numba.core.event import install_recorder
 
     from workbench.api.answers import asked, simulate
-    from workbench.study.cells import TIMED_AGAIN_BELOW
+    from workbench.base.compiled import TIMED_AGAIN_BELOW
 
     with install_recorder("numba:compile") as recorder:
         response = simulate(scenario, model, **options)

@@ -6,6 +6,8 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache
+from itertools import filterfalse
+from operator import attrgetter
 from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
@@ -25,13 +27,17 @@ from workbench.responses import (
     failed_response,
     finding,
     findings_of,
+    outcome_of,
     provenance,
     refused_response,
     set_findings,
+    survives,
 )
 from workbench.scenarios import Scenario, Striker, canonical
+from workbench.scenarios.column import DURATION
 
 M = TypeVar("M")
+LONGER = 4  # doublings of a record that ends before its peak
 
 
 @runtime_checkable
@@ -72,13 +78,14 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
     """
     with linear_algebra().limit(limits=1):
         started = time.perf_counter()
-        if scenario.KIND not in model.answers:
+        solved, factor = scenario, 1.0
+        if scenario.KIND in model.answers:
+            solved, factor, left_out = with_strain_rate(model, scenario)
+            findings = findings_before(model, scenario, left_out)
+        else:
             kinds = ", ".join(model.answers)
-            other = finding("kind", name=model.name, answers=kinds, kind=scenario.KIND)
-            return _signed(refused_response([other]), model, scenario, started)
-        solved, factor, left_out = with_strain_rate(model, scenario)
-        findings = findings_before(model, scenario, left_out)
-        warnings = [each for each in findings if not each.refusal]
+            findings = [finding("kind", name=model.name, answers=kinds, kind=scenario.KIND)]
+        warnings = list(filterfalse(attrgetter("refusal"), findings))
         striker = getattr(scenario, "striker", None)
         if len(warnings) < len(findings):
             response = refused_response([each for each in findings if each.refusal])
@@ -100,7 +107,11 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
             set_findings(response, [*warnings, *findings_of(response)])
         if factor != 1.0:
             response.attrs["rate_factor"] = factor
-        return _signed(response, model, scenario, started)
+        seconds = time.perf_counter() - started
+        response.attrs.update(
+            **signature(model, scenario), provenance=_provenance(), wall_time=seconds
+        )
+        return response
 
 
 def findings_before(model: Model, scenario: Any, left_out: Sequence[Finding]) -> list[Finding]:
@@ -148,15 +159,6 @@ class Answering(Declared, ABC, table="option"):
         """The response to a scenario inside the domain."""
 
 
-def _signed(response: Response, model: Model, scenario: Scenario, started: float) -> Response:
-    response.attrs.update(
-        **signature(model, scenario),
-        provenance=_provenance(),
-        wall_time=time.perf_counter() - started,
-    )
-    return response
-
-
 @cache
 def _provenance() -> str:
     return json.dumps(provenance(), sort_keys=True)
@@ -189,6 +191,25 @@ def on_one_mesh(model: M) -> M:
     if not hasattr(model, "levels"):
         return model
     return dataclasses.replace(model, levels=1)  # type: ignore[type-var]
+
+
+def ask(model: Model, scenario: Any) -> tuple[Any, Response]:
+    """The answer of a model; a record that ends before its peak is made longer, where it may be.
+
+    With the scenario, which then has this record. A reference looks for it on one mesh.
+    """
+    response, alone = model.simulate(scenario), on_one_mesh(model)
+    first = scenario
+    for _ in range(LONGER):
+        longer = 2.0 * getattr(scenario, "duration", DURATION.high)
+        undecided = outcome_of(response) is Outcome.OK and survives(response) is None
+        if not undecided or longer > DURATION.high:
+            break
+        scenario = dataclasses.replace(scenario, duration=longer)
+        response = alone.simulate(scenario)
+    if scenario is not first and alone != model:
+        response = model.simulate(scenario)
+    return scenario, response
 
 
 def with_options(kind: type[Any], options: Mapping[str, Any]) -> Any:

@@ -182,7 +182,7 @@ def buckling_findings(scenario: ColumnScenario) -> list[Finding]:
     """Refusal of an axial load above the Euler load, warning of one above half of it."""
     findings = []
     load, critical = scenario.column.axial_load, euler_load(scenario)
-    if buckles(scenario):
+    if load >= critical:
         findings.append(
             finding("euler-reached", load / critical, load=load / 1e3, critical=critical / 1e3)
         )

@@ -6,17 +6,20 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from numpy.typing import ArrayLike
+from xarray.core.indexing import PandasIndexingAdapter
+from xarray.indexes import PandasIndex
 
 from workbench.base.arrays import Array
 from workbench.base.errors import Collapse, CollapseError, Mechanism, WorkbenchError
-from workbench.responses.axes import axis_of, shared_axis, variable_of
 from workbench.responses.histories import EXTREMES, NO_PEAK, implied, open_share
 from workbench.responses.outcome import SYNTHETIC, Finding, Outcome
 from workbench.responses.variables import COORDINATES, HISTORY, SCALARS, VARIABLES
 
 Response = xr.Dataset
+_ATTRIBUTES = {name: one.attributes for name, one in COORDINATES.items()}
 _TOLD = {"units", "long_name"}  # of every variable
 _KNOWN = {  # dimensions and attributes of variables over time, or of steps
     of: {
@@ -105,6 +108,49 @@ def build_response(
     response.attrs["message"] = ""
     set_findings(response, [*findings, *warnings])
     return response
+
+
+# Coordinates go the short way: `xarray.Dataset(coords=...)` takes several times as long as solving
+# the SDOF column.
+
+
+def variable_of(kind: Any, dims: tuple[Any, ...], data: Any, attributes: dict[str, str]) -> Any:
+    """A variable of xarray of what is known to fit; to check it again takes as long as the rest."""
+    one = object.__new__(kind)
+    one._dims, one._data, one._attrs, one._encoding = dims, data, dict(attributes), None
+    return one
+
+
+def axis_of(
+    name: str, values: Sequence[Any] | Array, attributes: Mapping[str, Any] | None = None
+) -> tuple[PandasIndex, xr.Variable]:
+    """A coordinate of a response: its index and its variable; None: the standard attributes."""
+    if isinstance(values, np.ndarray) and values.dtype == np.float64:  # the rest is for asking
+        known = pd.Index._simple_new(values, name=name)  # type: ignore[attr-defined]
+        index = PandasIndex(known, name, values.dtype, fastpath=True)
+    else:
+        known = pd.Index(values, name=name)
+        index = PandasIndex(known, name, getattr(values, "dtype", None))
+    held = PandasIndexingAdapter(known, index.coord_dtype)
+    shown = _ATTRIBUTES[name] if attributes is None else dict(attributes)
+    return index, variable_of(xr.IndexVariable, (name,), held, shown)
+
+
+def shared_axis(name: str, parts: tuple[str, ...] | int) -> tuple[PandasIndex, xr.Variable]:
+    """`axis_of` the names of parts, or of so many: points along members or numbers from 0.
+
+    Many responses share its index; the variable has attributes of its own.
+    """
+    index, axis = _shared(name, parts)
+    return index, variable_of(xr.IndexVariable, (name,), axis._data, _ATTRIBUTES[name])
+
+
+@lru_cache(maxsize=512)
+def _shared(name: str, parts: tuple[str, ...] | int) -> tuple[PandasIndex, xr.Variable]:
+    values: Any = parts
+    if isinstance(parts, int):
+        values = np.linspace(0.0, 1.0, parts) if name == "point" else np.arange(parts)
+    return axis_of(name, values)
 
 
 def response_of(
@@ -241,7 +287,7 @@ def check_response(response: Response) -> None:
         if shapes and array.dtype.kind not in kinds:
             raise WorkbenchError(f"response variable {name!r} holds {array.dtype}")
         if kinds == _NUMBERS:
-            numbers[name] = array.values
+            numbers[name] = array.to_numpy()
     time = numbers.pop("time", None)
     large: list[Array] = []
     small: list[Array] = [np.empty(0)]
@@ -273,9 +319,9 @@ def places_of(response: Response) -> dict[str, str]:
         if name in response and of in response and float(response[name]) > 0.0:
             part = response[of].dims[0]
             if part in _TEXTS:
-                values = response[of].values.reshape(response[of].shape[0], -1)
+                values = response[of].to_numpy().reshape(response[of].shape[0], -1)
                 largest = np.max([(sign * values).max(axis=1) for sign in signs], axis=0)
-                places[name] = str(response[part].values[int(np.argmax(largest))])
+                places[name] = str(response[part].to_numpy()[int(np.argmax(largest))])
     return places
 
 
@@ -284,6 +330,6 @@ def energy_error(response: Response) -> float | None:
     known = response.variables  # plain ones: no index is built
     if not {"balance_error", "input_energy"} <= known.keys():
         return None
-    stored = float(known["elastic"].values[0]) if "elastic" in known else 0.0
-    given = float(known["input_energy"].values)
-    return open_share(known["balance_error"].values, given, stored) if given else None
+    stored = float(known["elastic"].to_numpy()[0]) if "elastic" in known else 0.0
+    given = float(known["input_energy"].to_numpy())
+    return open_share(known["balance_error"].to_numpy(), given, stored) if given else None

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from math import inf, isfinite, log
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy
 
 from workbench.base.arrays import Array
 from workbench.base.errors import InputError
@@ -78,7 +78,9 @@ def _power_law(phi: Array, sizes: Array, weights: Array) -> Fit | None:
     if best in (0, POINTS - 1):
         return None
     bounds, fine = (tried[best - 1], tried[best + 1]), {"xatol": 1e-10}
-    best_fit = minimize_scalar(deviation, bounds=bounds, method="bounded", options=fine)
+    best_fit = scipy.optimize.minimize_scalar(
+        deviation, bounds=bounds, method="bounded", options=fine
+    )
     return _fitted(phi, sizes, weights, np.array([float(best_fit.x)]), free=True)
 
 

@@ -59,8 +59,9 @@ def implied(
         derived["impulse"] = given["percussion"].sum()
         if "peak_force" not in values:
             derived["peak_force"] = peak_contact_force(time[1:], given["percussion"][1:])
-    balance = balance_error(given, static=time is None)
-    return {**derived, **extremes(given), "balance_error": balance}, findings
+    if "elastic" in given:
+        derived["balance_error"] = balance_error(given, static=time is None)
+    return {**derived, **extremes(given)}, findings
 
 
 def extremes(values: Mapping[str, Array]) -> dict[str, float]:

@@ -142,7 +142,7 @@ def finding(
     entry = _sentences()[name]
     known = {"number": number, **values}
     limit, instead = entry.get("limit"), entry.get("instead")
-    sentence = "".join((entry["sentence"], *(entry["parts"][part] for part in parts)))
+    sentence = "".join((entry["sentence"], *map(entry.get("parts", {}).__getitem__, parts)))
     return Finding(
         subject or entry.get("subject", name),
         sentence.format_map(known),

@@ -3,7 +3,7 @@
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from workbench.base.arrays import Array
 from workbench.base.errors import InputError
@@ -58,7 +58,9 @@ def missile_pulse(points: Array, velocity: float) -> Pulse:
     if (squares <= 0.0).any():
         n = int(np.argmax(squares <= 0.0)) - 1
         low, square = fine[n : n + 1], squares[n]
-        stop = brentq(lambda b: square - slowed(low, np.array([b]))[0], low[0], fine[n + 1])
+        stop = scipy.optimize.brentq(
+            lambda b: square - slowed(low, np.array([b]))[0], low[0], fine[n + 1]
+        )
         end, squares = float(stop), np.maximum(squares, 0.0)
     at = np.unique(np.concatenate([x[x < end], np.linspace(0.0, end, _PARTS)]))
     before = np.searchsorted(fine, at, side="right") - 1

@@ -19,6 +19,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from workbench.base.compiled import TIMED_AGAIN_BELOW
 from workbench.base.errors import InputError, message_of
 from workbench.models.base import Model, options_of, signature
 from workbench.responses import Outcome, Response, failed_response, outcome_of, provenance
@@ -136,8 +137,6 @@ def select(cells: list[Cell], pattern: str | None) -> list[Cell]:
     return chosen
 
 
-# A first call may compile kernels; cells that end sooner than this are timed by a second call.
-TIMED_AGAIN_BELOW = 180.0  # s
 # A single call of a few milliseconds measures cold caches: quick cells give a median of calls.
 TIMED_OFTEN_BELOW, FURTHER_CALLS = 0.1, 4  # s
 

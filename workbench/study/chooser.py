@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy.stats import binomtest
+import scipy
 
 from workbench.base.errors import OutOfDomainError
 from workbench.models.strain_rate import feels_rate
@@ -87,7 +87,9 @@ def ranking_rows(study: Study, tables: Tables) -> Iterator[Row]:
             best, other = sizes[order[0]], sizes[label]
             apart = best.notna() & other.notna() & (best != other)
             pairs, wins = int(apart.sum()), int((best < other)[apart].sum())
-            chance = binomtest(wins, pairs, alternative="greater").pvalue if pairs else None
+            chance = (
+                scipy.stats.binomtest(wins, pairs, alternative="greater").pvalue if pairs else None
+            )
             yield {
                 "group": group,
                 "label": label,

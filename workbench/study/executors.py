@@ -10,17 +10,20 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field, replace
-from functools import partial
+from concurrent.futures import FIRST_COMPLETED, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib import import_module
 from itertools import islice
-from multiprocessing import resource_tracker
-from multiprocessing.connection import Connection, wait
+from multiprocessing import get_context, resource_tracker
 from typing import Any
+
+from pebble import ProcessExpired, ProcessPool
 
 from workbench.base.errors import InputError, WorkbenchError
 from workbench.responses import Outcome
-from workbench.study.cells import Result, Task, is_late, perform, timed_out, unanswered
+from workbench.study.cells import Result, Task, perform, timed_out, unanswered
 
 THREAD_VARIABLES = (
     "OMP_NUM_THREADS",
@@ -29,7 +32,8 @@ THREAD_VARIABLES = (
     "NUMBA_NUM_THREADS",
     "VECLIB_MAXIMUM_THREADS",
 )
-READY, ANSWERED = "ready", "answered"  # words of a worker; from the second on it advises
+_ALARM = hasattr(signal, "setitimer")  # a POSIX system
+_WARM: set[str] = set()  # kinds of cell that this worker process has answered
 CONNECT_SECONDS = 10.0  # to a cluster
 WINDOW = 256  # tasks at a cluster at a time, at least
 
@@ -51,132 +55,85 @@ class InProcess:
 class Workers:
     """Answers cells in `jobs` worker processes of this machine.
 
-    A worker that dies costs the cell that it was at (outcome crashed); one that is at a cell
-    for longer than allowed is stopped (timed-out); both are replaced.
+    A worker that dies costs the cell that it was at (outcome crashed); one whose model takes
+    longer than allowed ends itself (timed-out); both are replaced.
     """
 
     jobs: int
 
     def run(self, tasks: Sequence[Task]) -> Generator[Result, None, None]:
         """Answer every task. Raises `WorkbenchError` if workers cannot start at all."""
-        waiting = list(reversed(tasks))
-        crew: list[_Worker] = []
-        try:
-            while waiting or any(worker.task for worker in crew):
-                idle = sum(worker.task is None for worker in crew)
-                while len(crew) < self.jobs and idle < len(waiting):
-                    crew.append(_Worker())
-                    idle += 1
-                for worker in crew:
-                    if worker.ready and worker.task is None and waiting:
-                        worker.give(waiting.pop())
-                _wait_for(crew)
-                for worker in list(crew):
-                    result = worker.collect()
-                    if worker.over:
-                        crew.remove(worker)
-                    if result is not None:
-                        yield result
-        finally:
-            for worker in crew:
-                worker.stop()
+        waiting, at_work = iter(tasks), dict[Any, tuple[Task, float]]()
+        pool: Any = ProcessPool(self.jobs, initializer=_begin, context=get_context("spawn"))
+        with _one_thread_environment():
+            try:
+                while True:
+                    for task in islice(waiting, self.jobs - len(at_work)):
+                        with deaf_to_interrupts():  # processes start with the first task
+                            limit = None if _ALARM else task.limit
+                            answer = pool.schedule(_answer, (task,), timeout=limit)
+                        at_work[answer] = task, time.monotonic()
+                    if not at_work:
+                        return
+                    for future in wait(at_work, return_when=FIRST_COMPLETED).done:
+                        task, since = at_work.pop(future)
+                        yield _result_of(future, task, time.monotonic() - since)
+            finally:
+                pool.stop()
+                pool.join()
 
 
-@dataclass
-class _Worker:
-    """One worker process, the pipe to it, and the task that it is at."""
-
-    ready: bool = False  # it has imported everything and waits
-    over: bool = False  # it has died or has been stopped
-    task: Task | None = None
-    since: float = 0.0
-    pipe: Connection = field(init=False)
-    process: multiprocessing.process.BaseProcess = field(init=False)
-
-    def __post_init__(self) -> None:
-        context = multiprocessing.get_context("spawn")
-        self.pipe, end = context.Pipe()
-        self.process = context.Process(target=serve, args=(end,), daemon=True)
-        with _one_thread_environment(), deaf_to_interrupts():
-            self.process.start()
-        end.close()
-
-    def give(self, task: Task) -> None:
-        """Send a task."""
-        self.task, self.since = task, time.monotonic()
-        with suppress(OSError):  # it died while idle: `collect` sees the end of the pipe
-            self.pipe.send(task)
-
-    def collect(self) -> Result | None:
-        """What the worker has to say, if anything; notices death and lateness.
-
-        Raises `WorkbenchError` if it could not start or could not load its task.
-        """
-        try:
-            if self.pipe.poll():
-                message = self.pipe.recv()
-                if isinstance(message, Result):
-                    self.task = None
-                    return message
-                if message == ANSWERED and self.task is not None:
-                    self.task = replace(self.task, limit=None)  # that was the time of the model
-                    return None
-                if message != READY:
-                    raise WorkbenchError(f"a worker process cannot handle its cell: {message}")
-                self.ready = True
-                return None
-        except (EOFError, OSError):
-            return self._died()
-        seconds = time.monotonic() - self.since
-        if self.task is not None and is_late(self.task, seconds):
-            task = self.task
-            self.stop()
+def _result_of(future: Any, task: Task, seconds: float) -> Result:
+    """The result of a task that a worker is done with after so many `seconds`, in any way."""
+    try:
+        result: Result = future.result()
+    except TimeoutError:
+        return timed_out(task, seconds)
+    except ProcessExpired as error:
+        code = error.exitcode
+        if _ALARM and code == -signal.SIGALRM:
             return timed_out(task, seconds)
-        return None
-
-    def _died(self) -> Result | None:
-        self.process.join()
-        code, task = self.process.exitcode or 0, self.task
-        self.stop()
-        how = f"with status {code}"
-        if code < 0:
-            known = {int(each): each.name for each in signal.Signals}
-            how = f"by signal {known.get(-code, -code)}"
-        if not self.ready:
-            why = "a script that runs a study needs: if __name__ == '__main__'"
-            if code < 0:
-                why = "somebody or the system stopped it: is there memory for this many --jobs?"
-            raise WorkbenchError(f"a worker process ended {how} before it was ready; {why}")
-        if task is None:
-            return None
+        names = {int(each): each.name for each in signal.Signals}
+        how = f"with status {code}" if code >= 0 else f"by signal {names.get(-code, -code)}"
         message = f"the worker process ended {how} in this cell"
-        return unanswered(task, Outcome.CRASHED, message, time.monotonic() - self.since)
+        return unanswered(task, Outcome.CRASHED, message, seconds)
+    except BrokenProcessPool as error:
+        why = "a script that runs a study needs: if __name__ == '__main__'; else somebody or the "
+        why += "system stopped it: is there memory for this many --jobs?"
+        raise WorkbenchError(f"a worker process ended before it had a cell; {why}") from error
+    except Exception as error:  # not the model's: its failures are results
+        text = f"a worker process cannot handle its cell: {type(error).__name__}: {error}"
+        raise WorkbenchError(text) from error
+    return result
 
-    def stop(self) -> None:
-        """End the process at once."""
-        self.over, self.task = True, None
-        self.process.kill()
-        self.process.join()
-        self.pipe.close()
 
+def _begin() -> None:
+    """Begin as a worker process: it ends at once when it is stopped, and with its parent.
 
-def serve(pipe: Connection) -> None:
-    """The main loop of a worker process: say ready, then answer tasks until the pipe closes."""
-    # Ctrl-C reaches the whole process group; the parent decides what happens then.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    What answers import with their first use counts for none of them.
+    """
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     end_with_parent()
-    warm: set[str] = set()
-    pipe.send(READY)
-    while True:
-        try:
-            task = pipe.recv()
-        except EOFError:
-            return
-        try:
-            answer: Result | str = perform(task, warm, partial(pipe.send, ANSWERED))
-        except Exception as error:  # not the model's: its failures are results
-            answer = f"{type(error).__name__}: {error}"
-        pipe.send(answer)
+    for part in ("linalg", "optimize", "sparse.linalg"):
+        import_module(f"scipy.{part}")
+
+
+def _answer(task: Task) -> Result:
+    """Answer a task in a worker process, which ends where the model takes longer than it may.
+
+    The alarm ends compiled code, too; it is off once the model has answered, before the advice.
+    """
+    _set_alarm(task.limit or 0.0)
+    try:
+        return perform(task, _WARM, _set_alarm)
+    finally:
+        _set_alarm()
+
+
+def _set_alarm(seconds: float = 0.0) -> None:
+    """Let the system end this process after so many seconds; 0: never."""
+    if _ALARM:
+        signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
 def end_with_parent() -> None:
@@ -189,17 +146,6 @@ def end_with_parent() -> None:
             os._exit(1)
 
     threading.Thread(target=wait_for_it, daemon=True).start()
-
-
-def _wait_for(crew: list[_Worker]) -> None:
-    """Sleep until a worker has something to say or the next time limit is over."""
-    ends = [
-        worker.since + worker.task.limit
-        for worker in crew
-        if worker.task is not None and worker.task.limit is not None
-    ]
-    timeout = max(0.0, min(ends) - time.monotonic()) + 0.001 if ends else None
-    wait([worker.pipe for worker in crew], timeout)
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, replace
 from math import sqrt
 from typing import Any
 
-from workbench.models.base import Model, on_one_mesh
+from workbench.models.base import Model, ask, on_one_mesh
 from workbench.responses import Outcome, Response, collapse_of, outcome_of, survives, warnings_of
 from workbench.responses.histories import NO_PEAK, largest_of
 from workbench.scenarios import Scenario
@@ -22,7 +22,6 @@ from workbench.study.error_model.advice import CLOSE, advise
 
 PARTS = 8  # of the range, until a collapse is found
 SMALL = 1e-3  # of the range; values below it do not make the bracket narrower
-LONGER = 4  # doublings of a record that ends before its peak
 
 
 @dataclass(frozen=True)
@@ -139,25 +138,6 @@ def _gap(survived_at: float, collapsed_at: float, silent: list[float]) -> tuple[
     ends = [survived_at, *inside, collapsed_at]
     start, end = max((ends[:2], ends[-2:]), key=lambda gap: abs(gap[1] - gap[0]))
     return bool(inside), start, end
-
-
-def ask(model: Model, scenario: Any) -> tuple[Any, Response]:
-    """The answer of a model; a record that ends before its peak is made longer, where it may be.
-
-    With the scenario, which then has this record. A reference looks for it on one mesh.
-    """
-    response, alone = model.simulate(scenario), on_one_mesh(model)
-    first = scenario
-    for _ in range(LONGER):
-        longer = 2.0 * getattr(scenario, "duration", DURATION.high)
-        undecided = outcome_of(response) is Outcome.OK and survives(response) is None
-        if not undecided or longer > DURATION.high:
-            break
-        scenario = replace(scenario, duration=longer)
-        response = alone.simulate(scenario)
-    if scenario is not first and alone != model:
-        response = model.simulate(scenario)
-    return scenario, response
 
 
 def _trial(value: float, scenario: Any, response: Response) -> Trial:

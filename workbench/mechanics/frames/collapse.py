@@ -18,8 +18,8 @@ from math import inf, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.optimize import linprog
 
 from workbench.base.arrays import Array, Indices
 from workbench.base.errors import (
@@ -119,7 +119,7 @@ def collapse_mechanism(
         for component, k in COMPONENTS.items()
         if component not in node.resisted  # by a support, a spring or a lock
     ]
-    optimum = linprog(
+    optimum = scipy.optimize.linprog(
         np.append(np.zeros(unknowns - 1), -1.0),
         A_eq=(balance / units[:, None])[free],
         b_eq=(nodal_loads(frame, dead).ravel() / units)[free],

@@ -11,8 +11,8 @@ from math import inf, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.linalg import block_diag, eigh
 from threadpoolctl import ThreadpoolController
 
 from workbench.base.arrays import Array
@@ -151,7 +151,7 @@ class ElasticFrame:
             for dofs in beams:
                 softening[np.ix_(dofs, dofs)] += axial[2 * i] * local.T @ bow @ local
         grid = np.ix_(self._free, self._free)
-        lowest = eigh(
+        lowest = scipy.linalg.eigh(
             softening[grid], self.stiffness[grid], eigvals_only=True, subset_by_index=[0, 0]
         )[0]
         return np.inf if lowest > -LEAST_SOFTENING else -1.0 / float(lowest)
@@ -162,7 +162,9 @@ class ElasticFrame:
         Both (modes,), without those that have no mass or move without resistance.
         """
         shapes = self._modes[:, self._stiff] / np.sqrt(self._values[self._stiff])
-        squares, modes = eigh(shapes.T @ self.mass[np.ix_(self._free, self._free)] @ shapes)
+        squares, modes = scipy.linalg.eigh(
+            shapes.T @ self.mass[np.ix_(self._free, self._free)] @ shapes
+        )
         moved = (modes.T @ (shapes.T @ load[self._free])) ** 2
         heavy = squares > NO_STIFFNESS * squares.max(initial=0.0)
         slowness = np.sqrt(squares[heavy])  # 1 / omega
@@ -187,7 +189,7 @@ def _axes(direction: Array) -> Array:
     """Rotation of element dofs from global to local axes (6, 6)."""
     c, s = direction
     turn = [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]
-    return np.asarray(block_diag(turn, turn))
+    return np.asarray(scipy.linalg.block_diag(turn, turn))
 
 
 def _local(lengthwise: ArrayLike, across: ArrayLike) -> Array:

@@ -7,10 +7,8 @@ from math import ceil, isfinite, log
 from typing import Any, Self
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.linalg import lapack
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from workbench.base.arrays import Array, Indices
 from workbench.mechanics.structures import kernels
@@ -242,7 +240,7 @@ class PlanarAssembly:
         x = right.copy()
         x[held] = 0.0
         matrix = self.band.reshape((self._rows, self.size), order="F")
-        _, _, x, info = lapack.dgbsv(
+        _, _, x, info = scipy.linalg.lapack.dgbsv(
             self.width, self.width, matrix, x, overwrite_ab=1, overwrite_b=1
         )
         return x if info == 0 and isfinite(kernels.largest(x.ravel(order="K"))) else None
@@ -281,8 +279,8 @@ def _places(pairs: bytes, count: int) -> Indices:
     ends, place = np.frombuffer(pairs, np.int64).reshape(-1, 2), np.arange(count)
     spread = int(np.max(np.abs(ends[:, 0] - ends[:, 1])))
     if spread > 1:
-        graph = coo_matrix((np.ones(len(ends)), ends.T), shape=(count, count)).tocsr()
-        order = reverse_cuthill_mckee(graph + graph.T, symmetric_mode=True)
+        graph = scipy.sparse.coo_matrix((np.ones(len(ends)), ends.T), shape=(count, count)).tocsr()
+        order = scipy.sparse.csgraph.reverse_cuthill_mckee(graph + graph.T, symmetric_mode=True)
         renumbered = np.empty(count, dtype=np.int64)
         renumbered[order] = np.arange(count)
         if np.max(np.abs(np.diff(renumbered[ends], axis=1))) < spread:

@@ -12,7 +12,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from workbench.base.arrays import Array, Flags
 from workbench.base.errors import Collapse, CollapseError, OutOfDomainError, SolverError
@@ -60,7 +60,7 @@ def plateau(surface: ShearSurface, lengths: tuple[float, float]) -> float:
             return V * length - capacity - min(passed, capacity)
 
         top = float(record["shear"])
-        return top if excess(top) <= 0.0 else float(brentq(excess, 0.0, top))
+        return top if excess(top) <= 0.0 else float(scipy.optimize.brentq(excess, 0.0, top))
 
     below = bent(shorter, np.inf)
     flanges = float(record["flange_moment"])
@@ -153,7 +153,7 @@ def first_where(
     done = np.flatnonzero(excess(at) >= 0.0)
     if not done.size:
         raise collapsed(curve, column, limit)
-    return float(brentq(excess, at[max(done[0] - 1, 0)], at[done[0]]))
+    return float(scipy.optimize.brentq(excess, at[max(done[0] - 1, 0)], at[done[0]]))
 
 
 def displacement_under(curve: ResistanceCurve, column: Column, force: float) -> float:
@@ -238,13 +238,26 @@ def reached(
     """Shear of a column that has come to a displacement (m) on its curve, and warnings of that.
 
     Largest V / V_pl of the segments below and above, (2,), from the hinge moments of the analytic
-    curve: simplified ones have none of their own. None where that does not hold.
+    curve: simplified ones have none of their own. None where that does not hold. Warnings: rotation
+    of the shorter bar above 0.5 rad; a simplified curve whose work differs by more than a tenth
+    from that of the analytic one.
     """
     companion, shear = _analytic_companion(curve), None
     if companion is not None:
         largest = companion.largest_shear(displacement)
         shear = np.asarray(largest / column.properties.shear_resistance)
-    return shear, _reached_findings(curve, companion, displacement)
+    findings = []
+    rotation = displacement / min(curve.mechanism.lengths)
+    if rotation > _ROTATION and curve.shape not in (PANEL, GIVEN):
+        findings.append(finding("small-rotations", rotation=rotation, displacement=displacement))
+    if companion is not None and companion is not curve and displacement > 0.0:
+        exact = float(companion.work(displacement))
+        simplified = float(curve.work(displacement))
+        if not abs(simplified - exact) <= _WORK * abs(exact):
+            name = "simplified-work-unsafe" if simplified > exact else "simplified-work"
+            work: dict[str, Any] = {"simplified": simplified / 1e3, "exact": exact / 1e3}
+            findings.append(finding(name, displacement=displacement, shape=curve.shape, **work))
+    return shear, findings
 
 
 @lru_cache(maxsize=256)
@@ -259,28 +272,6 @@ def _analytic_companion(curve: ResistanceCurve) -> ResistanceCurve | None:
         return resistance_curve(curve.mechanism, "analytic")
     except OutOfDomainError:
         return None
-
-
-def _reached_findings(
-    curve: ResistanceCurve, companion: ResistanceCurve | None, displacement: float
-) -> list[Finding]:
-    """Warnings that depend on the largest displacement (m) that was reached.
-
-    Rotation of the shorter bar above 0.5 rad; a simplified curve whose work differs by more than
-    a tenth from that of its analytic `companion`.
-    """
-    findings = []
-    rotation = displacement / min(curve.mechanism.lengths)
-    if rotation > _ROTATION and curve.shape not in (PANEL, GIVEN):
-        findings.append(finding("small-rotations", rotation=rotation, displacement=displacement))
-    if companion is not None and companion is not curve and displacement > 0.0:
-        exact = float(companion.work(displacement))
-        simplified = float(curve.work(displacement))
-        if not abs(simplified - exact) <= _WORK * abs(exact):
-            name = "simplified-work-unsafe" if simplified > exact else "simplified-work"
-            work: dict[str, Any] = {"simplified": simplified / 1e3, "exact": exact / 1e3}
-            findings.append(finding(name, displacement=displacement, shape=curve.shape, **work))
-    return findings
 
 
 def of_one_shape(
@@ -307,7 +298,7 @@ def of_one_shape(
         return 0.5 * (stiffness + pulled * v**2) * v - mean
 
     if missing(top) > 0.0:
-        excess = top / brentq(missing, 0.0, top) - 1.0
+        excess = top / scipy.optimize.brentq(missing, 0.0, top) - 1.0
         findings += [finding("straight-bars", 100.0 * excess)] if excess > _SOFT else []
     return findings
 
