@@ -43,8 +43,9 @@ def area(side):
 def package_with(folder: Path, factor: float) -> Path:
     """A copy of what compiles, and three files of its own: volume, area, factor."""
     package = folder / "workbench"
-    package.mkdir(parents=True, exist_ok=True)
-    for name in ("__init__", "compiled", "datafiles", "errors"):
+    (package / "base").mkdir(parents=True, exist_ok=True)
+    base = ("base/__init__", "base/compiled", "base/datafiles", "base/errors")
+    for name in ("__init__", *base):
         (package / f"{name}.py").write_text((PACKAGE / f"{name}.py").read_text("utf-8"), "utf-8")
     (package / "cube_volume.py").write_text(LENGTH.format(folder="cube"))
     (package / "cube_area.py").write_text(AREA.format(folder="cube"))

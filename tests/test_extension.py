@@ -225,9 +225,8 @@ def add_law(root: Path) -> None:
 def add_verb(root: Path) -> None:
     (root / "workbench/cli/energy.py").write_text(VERB)
     verbs = root / "workbench/cli/__init__.py"
-    swap(verbs, "        doctor,\n", "        doctor,\n        energy,\n")
-    line = '    app.command("doctor")(doctor.doctor)\n'
-    swap(verbs, line, f'{line}    app.command("energy")(energy.energy)\n')
+    line = '    "doctor": ("doctor",),\n'
+    swap(verbs, line, f'{line}    "energy": ("energy",),\n')
 
 
 def add_scalar(root: Path) -> None:
@@ -287,9 +286,10 @@ def install(root: Path) -> None:
     project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     directory = root / f"steel_impact_workbench-{project['version']}.dist-info"
     directory.mkdir()
-    points = project["entry-points"]["workbench.models"]
-    lines = "".join(f"{name} = {target}\n" for name, target in points.items())
-    (directory / "entry_points.txt").write_text(f"[workbench.models]\n{lines}")
+    lines = ""
+    for group, points in project["entry-points"].items():
+        lines += f"[{group}]\n" + "".join(f"{name} = {of}\n" for name, of in points.items())
+    (directory / "entry_points.txt").write_text(lines)
     (directory / "METADATA").write_text(
         f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
     )

@@ -172,4 +172,4 @@ def test_no_other_module_reads_tables() -> None:
         for words in ("import csv\n", "read_csv(", "csv.reader", "load_workbook", "read_excel")
         if words in path.read_text(encoding="utf-8")
     }
-    assert readers == {"tables.py"}
+    assert readers == {"base/tables.py"}

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from workbench.base import offered
 from workbench.base.errors import InputError
 from workbench.models import registry
 
@@ -25,8 +26,8 @@ def plugins(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         ("twice", "workbench.models.four_dof:FourDof"),
         ("twice", "workbench.models.base:Model"),
     ]
-    entries = [EntryPoint(name, value, registry.GROUP) for name, value in points]
-    monkeypatch.setattr(registry, "entry_points", lambda group: [*entries, entries[0]])
+    entries = [EntryPoint(name, value, "workbench.models") for name, value in points]
+    monkeypatch.setattr(offered, "entry_points", lambda group: [*entries, entries[0]])
 
 
 def test_our_own_models_are_registered() -> None:
