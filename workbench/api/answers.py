@@ -26,9 +26,10 @@ from workbench.scenarios import (
     Striker,
     load_scenario,
 )
-from workbench.studs import TESTS, ResidualFit, examine
-from workbench.studs import fit_residual as fit_rows
-from workbench.studs.reading import from_frame
+from workbench.studs.reading import examine, from_frame
+from workbench.studs.relations import ResidualFit
+from workbench.studs.relations import fit_residual as fit_rows
+from workbench.studs.schema import TESTS
 from workbench.study import Case, Figure, Study
 from workbench.study.error_model.advice import advised, choose, quick_reference
 from workbench.study.limit import ask

@@ -172,7 +172,7 @@ def check(
     """
     from workbench.base.tables import Reading
     from workbench.extras.intake import check_file, problems_of_own
-    from workbench.studs import check_tables
+    from workbench.studs.tables import check_tables
     from workbench.study.error_model import check as problems_of
     from workbench.study.error_model import datasets
 
