@@ -11,8 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from workbench.base.errors import InputError
 from workbench.cli import run
-from workbench.studs import SHEAR_MODELS
+from workbench.studs import SHEAR_MODELS, read_tests
+from workbench.studs.fit_protocol import plain
+from workbench.studs.laboratory import fit_question
+from workbench.studs.questions import StrengthQuestion
 
 HEADER = "campaign,specimen,test,diameter_mm,height_mm,slab,fcm_MPa,fu_MPa,shear_kN"
 
@@ -195,6 +199,24 @@ def test_bad_options_are_one_line_and_status_2(
     assert captured.out == ""
     assert captured.err.count("\n") == 1
     assert message in captured.err
+
+
+def test_an_option_is_one_declaration(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """By its flag, by ``--set`` and from Python: the same answer, and the same refusal."""
+    file = laboratory(tmp_path / "lab.csv")
+    flags = ["--model", "roik-mean", "--loss", "huber", "--specified-fu", "500"]
+    first = answer(capsys, "stud-strength", str(file), *flags)
+    pairs = ["--set", "model=roik-mean", "--set", "loss=huber", "--set", "specified=500"]
+    assert answer(capsys, "stud-strength", str(file), *pairs) == first
+    assert first["options"] == {"model": ["roik-mean"], "loss": "huber", "specified": 500.0}
+    question = StrengthQuestion(model=("roik-mean",), loss="huber", specified=500.0)
+    assert plain(fit_question(question, read_tests(file))) == first["results"]
+    with pytest.raises(InputError, match="loss = 'cubic': must be one of linear, huber, bisquare"):
+        StrengthQuestion(loss="cubic")
+    assert run(["fit", "stud-strength", "--set", "los=huber"]) == 2
+    assert "did you mean loss?" in capsys.readouterr().err
+    assert run(["fit", "residual", "--set", "mechanical=no"]) == 2
+    assert "must be true or false" in capsys.readouterr().err
 
 
 # -- load-slip ------------------------------------------------------------------------------------

@@ -14,12 +14,11 @@ import pytest
 
 from workbench.studs import POINTS, RELATIONS, SHEAR_MODELS, OllgaardLaw, fit_load_slip
 from workbench.studs.formulas import prediction
-from workbench.studs.load_slip_fit import judge_curves
+from workbench.studs.load_slip import judge_curves
 from workbench.studs.quantities import Specimens
 from workbench.studs.reading import from_frame
 from workbench.studs.statistics.intervals import Interval, profile_interval
-from workbench.studs.statistics.mixed import fit
-from workbench.studs.statistics.problem import problem
+from workbench.studs.statistics.mixed import fit, problem
 
 CONFIDENCE, MARGIN = 0.9, 0.03
 Generator = np.random.Generator

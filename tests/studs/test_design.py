@@ -19,8 +19,7 @@ from workbench.studs.interaction import fit_interaction, log_reach
 from workbench.studs.quantities import specimens
 from workbench.studs.reading import from_frame
 from workbench.studs.schema import TESTS
-from workbench.studs.series import evaluate_few
-from workbench.studs.statistics.annex_d import few_tests_factor
+from workbench.studs.series import evaluate_few, few_tests_factor
 
 Capture = pytest.CaptureFixture[str]
 

@@ -15,13 +15,10 @@ import pytest
 from scipy.stats import norm
 
 from workbench.studs import POINTS, TESTS, fit_residual
-from workbench.studs.load_slip import OllgaardLaw
-from workbench.studs.load_slip_fit import fit_load_slip
+from workbench.studs.load_slip import OllgaardLaw, fit_load_slip
 from workbench.studs.reading import from_frame
-from workbench.studs.statistics.intervals import profile_interval
-from workbench.studs.statistics.mixed import LOSSES, fit, fit_robust
-from workbench.studs.statistics.prediction import outliers, predictive_quantile
-from workbench.studs.statistics.problem import location
+from workbench.studs.statistics.intervals import outliers, predictive_quantile, profile_interval
+from workbench.studs.statistics.mixed import LOSSES, fit, fit_robust, location
 
 WITHIN, BETWEEN = 0.08, 0.06
 Generator = np.random.Generator

@@ -28,10 +28,13 @@ from workbench.studs.mechanical import (
     push_out,
     residual_curve,
 )
-from workbench.studs.mechanical.calibration import predicted, residual_ratios, uplift_at
-from workbench.studs.mechanical.driving import shear
-from workbench.studs.mechanical.parameters import SHEAR_MODULUS, STEEL_MODULUS
-from workbench.studs.mechanical.structure import StudStructure, round_section
+from workbench.studs.mechanical.calibration import predicted, residual_ratios, shear, uplift_at
+from workbench.studs.mechanical.structure import (
+    SHEAR_MODULUS,
+    STEEL_MODULUS,
+    StudStructure,
+    round_section,
+)
 
 STUD = Stud(0.019, 0.1, 30e6, 26e9, 450e6)
 AROUND = Surroundings()

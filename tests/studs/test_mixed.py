@@ -12,16 +12,13 @@ from workbench.base.errors import InputError
 from workbench.studs.statistics.intervals import (
     Interval,
     freedom_of,
-    profile_interval,
-    scatter_intervals,
-)
-from workbench.studs.statistics.mixed import fit, fit_robust
-from workbench.studs.statistics.prediction import (
     leave_one_campaign_out,
     predictive_quantile,
+    profile_interval,
+    scatter_intervals,
     score_relations,
 )
-from workbench.studs.statistics.problem import Estimate, Problem, problem
+from workbench.studs.statistics.mixed import Estimate, Problem, fit, fit_robust, problem
 
 CONFIDENCE = 0.9
 MARGIN = 0.03  # of the nominal coverage
@@ -137,6 +134,15 @@ def test_campaigns_that_differ_far_beyond_their_scatter_are_followed() -> None:
     half = 2.353363 * np.std(means, ddof=1) / 2.0  # t_3(0.95)
     # measured 1.1e-6
     assert (interval.low, interval.high) == pytest.approx((0.15 - half, 0.15 + half), rel=2.2e-6)
+
+
+def test_a_known_scatter_of_one_campaign_has_the_closed_interval() -> None:
+    """The spread of one campaign says nothing of others: there are no degrees of freedom to ask."""
+    y = np.array([0.1, 0.3, 0.2, 0.4, 0.0])
+    given = replace(mean_problem(y, np.zeros(5)), between=0.5)
+    interval = profile_interval(fit(given), "mean", 0.9)
+    assert 0.5 * (interval.low + interval.high) == pytest.approx(0.2)
+    assert interval.high - interval.low > 2 * 1.645 * 0.5  # that of the campaign alone
 
 
 def test_parameters_that_cannot_be_told_are_refused() -> None:

@@ -70,7 +70,7 @@ def test_a_laboratory_without_damaged_tests_gets_its_own_stud(
     model = MechanicalFit(
         Surroundings(), {}, table((19, 100, 30, 450)), {}, 1, identity_of(table((19, 100, 30, 450)))
     )
-    monkeypatch.setattr("workbench.studs.answers.calibrated", lambda scenario: model)
+    monkeypatch.setattr("workbench.studs.laboratory.shipped_model", lambda: model)
     short = partial(residual_curve, levels=(0.0, 0.5), spread={})
     monkeypatch.setattr("workbench.studs.mechanical.residual_curve", short)
     file = tmp_path / "lab.csv"

@@ -11,8 +11,7 @@ import pandas as pd
 import pytest
 
 from workbench.studs import POINTS
-from workbench.studs.load_slip import OllgaardLaw
-from workbench.studs.load_slip_fit import LoadSlipFit, fit_load_slip
+from workbench.studs.load_slip import LoadSlipFit, OllgaardLaw, fit_load_slip
 from workbench.studs.reading import from_frame
 from workbench.studs.tables import recorded
 

@@ -15,7 +15,7 @@ from workbench.studs import RELATIONS, TESTS, Grade, MechanicalCurve, ResidualFi
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import plain
 from workbench.studs.reading import from_frame
-from workbench.studs.statistics.prediction import without_each
+from workbench.studs.statistics.intervals import without_each
 
 Maker = Callable[..., pd.DataFrame]
 

@@ -12,12 +12,12 @@ import pytest
 from workbench.base.errors import InputError
 from workbench.studs import POINTS, TESTS, evaluate_d8, evaluate_groups, evaluate_series
 from workbench.studs.reading import read_text
-from workbench.studs.series import slip_capacity
-from workbench.studs.statistics.annex_d import (
+from workbench.studs.series import (
     LIMIT_DESIGN,
     TABLE_DESIGN,
     fractile_factor,
     sensitivities_of,
+    slip_capacity,
 )
 
 # EN 1990 tables D.1 and D.2 for an unknown coefficient of variation: n, k_n, k_d,n

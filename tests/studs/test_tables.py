@@ -12,7 +12,7 @@ import pytest
 from workbench.base.catalogue import dataset, load
 from workbench.base.errors import InputError
 from workbench.studs import check_tables, shipped
-from workbench.studs.load_slip_fit import fit_load_slip
+from workbench.studs.load_slip import fit_load_slip
 from workbench.studs.quantities import specimens
 from workbench.studs.tables import SHIPPED
 

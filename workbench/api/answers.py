@@ -30,7 +30,7 @@ from workbench.study.error_model.advice import advised, choose, quick_reference
 
 if TYPE_CHECKING:
     from workbench.api.plots import Plots
-    from workbench.studs import ResidualFit
+    from workbench.studs.relations import ResidualFit
     from workbench.study import Study
 
 

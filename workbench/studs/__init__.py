@@ -1,30 +1,34 @@
 """Shear studs: tests, resistance, load-slip laws, residual capacity, and fits with uncertainty.
 
-The mechanical model is in `workbench.studs.mechanical`, which needs the compiled kernels.
+Questions with their options are in `workbench.studs.questions`, the mechanical model, which needs
+the compiled kernels, in `workbench.studs.mechanical`. The names below come in with their first use,
+so that a question can be declared before anything heavy is imported; the package itself imports
+from the modules.
 """
 
-from workbench.studs.damaged import Grade as Grade
-from workbench.studs.formulas import SHEAR_MODELS as SHEAR_MODELS
-from workbench.studs.formulas import fit_factors as fit_factors
-from workbench.studs.formulas import strength_formula as strength_formula
-from workbench.studs.interaction import INTERACTIONS as INTERACTIONS
-from workbench.studs.load_slip import LAWS as LAWS
-from workbench.studs.load_slip import BilinearLaw as BilinearLaw
-from workbench.studs.load_slip import OllgaardLaw as OllgaardLaw
-from workbench.studs.load_slip import RationalLaw as RationalLaw
-from workbench.studs.load_slip_fit import fit_load_slip as fit_load_slip
-from workbench.studs.reading import examine as examine
-from workbench.studs.reading import read_tests as read_tests
-from workbench.studs.relations import RELATIONS as RELATIONS
-from workbench.studs.relations import MechanicalCurve as MechanicalCurve
-from workbench.studs.residual_fit import ResidualFit as ResidualFit
-from workbench.studs.residual_fit import fit_residual as fit_residual
-from workbench.studs.schema import POINTS as POINTS
-from workbench.studs.schema import TESTS as TESTS
-from workbench.studs.series import evaluate_groups as evaluate_groups
-from workbench.studs.series import evaluate_series as evaluate_series
-from workbench.studs.statistics.annex_d import evaluate_d8 as evaluate_d8
-from workbench.studs.strength_fit import StrengthFit as StrengthFit
-from workbench.studs.strength_fit import fit_strength as fit_strength
-from workbench.studs.tables import check_tables as check_tables
-from workbench.studs.tables import shipped as shipped
+from importlib import import_module
+from typing import Any
+
+_PUBLIC = {  # module: names that it gives
+    "damaged": ("Grade",),
+    "formulas": ("SHEAR_MODELS", "fit_factors", "strength_formula"),
+    "interaction": ("INTERACTIONS",),
+    "load_slip": ("LAWS", "BilinearLaw", "OllgaardLaw", "RationalLaw", "fit_load_slip"),
+    "reading": ("examine", "read_tests"),
+    "relations": ("RELATIONS", "MechanicalCurve", "ResidualFit", "fit_residual"),
+    "schema": ("POINTS", "TESTS"),
+    "series": ("evaluate_d8", "evaluate_groups", "evaluate_series"),
+    "strength_fit": ("StrengthFit", "fit_strength"),
+    "tables": ("check_tables", "shipped"),
+}
+_MODULES = {name: module for module, names in _PUBLIC.items() for name in names}
+__all__ = [*_MODULES]
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, from its module, which is imported now."""
+    if name not in _MODULES:
+        raise AttributeError(f"module 'workbench.studs' has no attribute {name!r}")
+    value = getattr(import_module(f"workbench.studs.{_MODULES[name]}"), name)
+    globals()[name] = value
+    return value

@@ -18,12 +18,12 @@ from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import answer_tables, judge
 from workbench.studs.formulas import FORMULAS, SHEAR_MODELS, usual_stud
 from workbench.studs.interaction import INTERACTIONS, borne, combined_tests
+from workbench.studs.laboratory import CALIBRATION as CALIBRATION
 from workbench.studs.laboratory import answer_residual
-from workbench.studs.load_slip import LAWS, OllgaardLaw
-from workbench.studs.load_slip_fit import GRID, fit_load_slip, judge_curves
+from workbench.studs.load_slip import GRID, LAWS, OllgaardLaw, fit_load_slip, judge_curves
 from workbench.studs.mechanical import MechanicalFit, Stud, calibrate, interaction_points
 from workbench.studs.mechanical.calibration import complete_rows, predicted_curves
-from workbench.studs.mechanical.parameters import LENGTH, STRESS
+from workbench.studs.mechanical.structure import LENGTH, STRESS
 from workbench.studs.model import RESIDUAL, Split, StudAnswer, StudModel, answer_of, load_split
 from workbench.studs.model import StudMeasured as StudMeasured
 from workbench.studs.relations import SOURCES
@@ -211,9 +211,6 @@ class StudSeries(StudModel):
         none = [] if evaluated else [finding("stud-no-series", groups=len(series), largest=largest)]
         tables = {"series": pd.DataFrame([each.summary() for each in series])}
         return StudAnswer(tables, none, None, {"tests_fitted": float(evaluated)})
-
-
-CALIBRATION = "provines2019"  # the shipped campaign with strength, stiffness and slip
 
 
 @dataclass(frozen=True)

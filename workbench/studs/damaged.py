@@ -31,7 +31,7 @@ from workbench.studs.schema import (
     SN_LIFE,
     TOTAL_TOLERANCE,
 )
-from workbench.studs.statistics.problem import LEAST_CAMPAIGNS
+from workbench.studs.statistics.mixed import LEAST_CAMPAIGNS
 
 EXPONENT, STRESS, CYCLES = 8.0, 90.0, 2e6  # of the S-N line: m, tau_c (MPa), N_c
 LIKE_PEAK = 0.05  # by which P_max / P_u may differ between tests of one curve

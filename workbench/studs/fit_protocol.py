@@ -17,10 +17,13 @@ import pandas as pd
 
 from workbench.base.errors import InputError
 from workbench.responses import Finding, finding
-from workbench.studs.statistics.intervals import Interval, profile_interval, scatter_intervals
-from workbench.studs.statistics.mixed import fit
-from workbench.studs.statistics.prediction import outliers
-from workbench.studs.statistics.problem import LEAST_CAMPAIGNS, Estimate, location
+from workbench.studs.statistics.intervals import (
+    Interval,
+    outliers,
+    profile_interval,
+    scatter_intervals,
+)
+from workbench.studs.statistics.mixed import LEAST_CAMPAIGNS, Estimate, fit, location
 from workbench.studs.tables import RowIdentity, identity_of
 
 Summary = dict[str, Any]  # one row of a table: numbers, words and flags by column

@@ -30,8 +30,7 @@ from workbench.studs.quantities import (
     specimens,
     undamaged_headed_studs,
 )
-from workbench.studs.statistics.mixed import fit_robust
-from workbench.studs.statistics.problem import Prediction, problem
+from workbench.studs.statistics.mixed import Prediction, fit_robust, problem
 
 LEAST_SLENDERNESS = 3.0  # height over diameter, EN 1994-1-1, 6.6.3.1
 STRENGTH_MARGIN = 8e6  # Pa, mean less characteristic concrete strength, EN 1992-1-1 table 3.1

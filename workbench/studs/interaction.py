@@ -28,9 +28,8 @@ from workbench.studs.fit_protocol import (
 )
 from workbench.studs.quantities import Array, equal_studs
 from workbench.studs.schema import NO_PREDAMAGE
-from workbench.studs.statistics.mixed import fit_robust
-from workbench.studs.statistics.prediction import influence_of, without_each
-from workbench.studs.statistics.problem import LEAST_CAMPAIGNS, problem
+from workbench.studs.statistics.intervals import influence_of, without_each
+from workbench.studs.statistics.mixed import LEAST_CAMPAIGNS, fit_robust, problem
 from workbench.studs.suspicion import suspicions
 
 EXPONENTS = (0.3, 30.0)  # 1: linear; below it damage adds up, far above it nothing interacts

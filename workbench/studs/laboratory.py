@@ -1,17 +1,19 @@
 """Fits of a laboratory's tables with all that is known of them, as stacked tables.
 
-`workbench fit` prints them, its report draws them. Every function takes the rows to fit and those
-`held` out to judge the fit.
+Every function takes the question that was asked (`workbench.studs.questions`), the rows to fit and
+those `held` out to judge the fit. `workbench fit` prints the tables, its report draws them.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from workbench.base.errors import InputError
+from workbench.base.fields import Number
 from workbench.responses import Finding, finding
 from workbench.studs.damaged import damaged_rows, predicted_references
 from workbench.studs.fit_protocol import (
@@ -23,16 +25,24 @@ from workbench.studs.fit_protocol import (
 )
 from workbench.studs.formulas import SHEAR_MODELS, Formula, fit_factors, strength_formula
 from workbench.studs.interaction import fit_interaction
-from workbench.studs.load_slip import LAWS
-from workbench.studs.load_slip_fit import fit_load_slip
-from workbench.studs.relations import MEASURES, MechanicalCurve
-from workbench.studs.residual_fit import ResidualFit, fit_residual
-from workbench.studs.schema import QUANTITIES
-from workbench.studs.series import evaluate_groups
-from workbench.studs.strength_fit import fit_strength
-from workbench.studs.tables import own_rows, points_of
+from workbench.studs.load_slip import LAWS, fit_load_slip
+from workbench.studs.questions import (
+    FewTestsQuestion,
+    InteractionQuestion,
+    LoadSlipQuestion,
+    Question,
+    ResidualQuestion,
+    StrengthQuestion,
+)
+from workbench.studs.reading import examine
+from workbench.studs.relations import MEASURES, MechanicalCurve, ResidualFit, fit_residual
+from workbench.studs.schema import POINTS, QUANTITIES, TESTS, USUAL
+from workbench.studs.series import evaluate_few, evaluate_groups
+from workbench.studs.strength_fit import VARIATIONS, fit_strength
+from workbench.studs.tables import own_rows, points_of, shipped, split_table
 
 Rows = pd.DataFrame
+USUAL_SPECIFIED = 450.0  # MPa, of stud material: SD1 of ISO 13918
 
 
 def known_of(fit: Fit, held: Rows, confidence: float, how: str = "as fitted") -> Tables:
@@ -48,57 +58,79 @@ def _reasons(refusals: Mapping[str, InputError]) -> Rows:
     return pd.DataFrame([{"of": name, "why": str(why)} for name, why in refusals.items()])
 
 
-def strength(
-    fitted: Rows,
-    held: Rows,
-    models: Sequence[str] | None = None,
-    *,
-    points: Rows | None = None,
-    specified: float = 450e6,
-    factors: Sequence[str] | None = None,
-    **how: Any,
-) -> Tables:
-    """Formulas (None: all of shear), as they are and as fitted; Annex B; which scatters least.
+def strength(asked: StrengthQuestion, fitted: Rows, held: Rows) -> Tables:
+    """Formulas, as they are and as fitted; Annex B under shear; which scatters least.
 
-    Arguments: `points` of curves and `specified` stud strength (Pa) for Annex B; `factors` to fit
-    (see `fit_factors`); the rest as in `fit_strength`. Raises `InputError`.
+    Raises `InputError`.
     """
-    formulas = [strength_formula(name) for name in models or SHEAR_MODELS]
+    specified = USUAL_SPECIFIED if asked.specified is None else asked.specified
+    TESTS.column("fu_MPa").rule.check("--specified-fu", specified)
+    points = None if asked.points is None else examine(asked.points, POINTS).accept()
+    variations = _variations(asked.variation or ())
+    formulas = [strength_formula(name) for name in asked.model or SHEAR_MODELS]
     if len({formula.load for formula in formulas}) > 1:
         names = ", ".join(formula.name for formula in formulas)
         raise InputError("--model", names, "must all be of shear, or all of tension")
     answers, refusals = [], {}
     for formula in formulas:
         try:
-            answers.append((formula.label, _formula(fitted, held, formula, factors, how)))
+            answers.append((formula.label, _formula(asked, fitted, held, formula, variations)))
         except InputError as error:
-            if models or error.field != "table":
+            if asked.model or error.field != "table":
                 raise
             refusals[formula.name] = error  # the others may need less of the table
     if not answers:
         raise next(iter(refusals.values()))
     tables = {**stacked(answers), "not_fitted": _reasons(refusals)}
-    tables["ranking"] = rank_scatters(tables["tests"], how.get("confidence", 0.9))
+    tables["ranking"] = rank_scatters(tables["tests"], asked.confidence)
     if formulas[0].load == "shear":
-        series = evaluate_groups(fitted, points, specified_strength=specified)
+        series = evaluate_groups(fitted, points, specified_strength=1e6 * specified)
         tables["series"] = pd.DataFrame([each.summary() for each in series])
     return tables
 
 
+def _variations(texts: Sequence[str]) -> dict[str, float]:
+    """Coefficients of variation, of texts like ``diameter=0.02`` where they are given."""
+    variations = dict(VARIATIONS)
+    for text in texts:
+        name, _, value = text.partition("=")
+        if name not in VARIATIONS:
+            raise InputError("--variation", text, "must name one of " + ", ".join(VARIATIONS))
+        try:
+            number = float(value)
+        except ValueError as error:
+            reason = "must look like concrete_strength=0.15"
+            raise InputError("--variation", text, reason) from error
+        variations[name] = float(Number(0.0, 1.0).check(f"--variation {name}", number))
+    return variations
+
+
 def _formula(
-    fitted: Rows, held: Rows, formula: Formula, factors: Sequence[str] | None, how: dict[str, Any]
+    asked: StrengthQuestion,
+    fitted: Rows,
+    held: Rows,
+    formula: Formula,
+    variations: Mapping[str, float],
 ) -> Tables:
     """A formula fitted and judged, as it is and corrected, and its own factors if wanted."""
-    fit, confidence = fit_strength(fitted, formula, **how), how.get("confidence", 0.9)
+    how: dict[str, Any] = {name: getattr(asked, name) for name in ("loss", "confidence", "slab")}
+    fit = fit_strength(
+        fitted,
+        formula,
+        trends=asked.trend or (),
+        variations=variations,
+        specified_strength=None if asked.specified is None else 1e6 * asked.specified,
+        known_between=asked.known_between,
+        **how,
+    )
     scaled = None
-    if factors:
-        given = {name: how[name] for name in ("loss", "confidence", "slab") if name in how}
-        scaled = fit_factors(fitted, formula, factors, **given)
+    if asked.factor:
+        scaled = fit_factors(fitted, formula, asked.factor, **how)
         stuck = (finding("stud-factor-at-bound", name=name) for name in scaled.at_bound)
         fit = replace(fit, findings=(*fit.findings, *stuck))
-    tables = known_of(fit, held, confidence, "as it is")
+    tables = known_of(fit, held, asked.confidence, "as it is")
     if not held.empty:
-        corrected = fit.judge(held, confidence, corrected=True).summary
+        corrected = fit.judge(held, asked.confidence, corrected=True).summary
         row = pd.DataFrame([{"prediction": "as fitted", **corrected}])
         tables["judgement"] = pd.concat([tables["judgement"], row], ignore_index=True)
     if scaled is not None:
@@ -106,62 +138,96 @@ def _formula(
     return tables
 
 
-def load_slip(fitted: Rows, held: Rows, laws: Sequence[str] | None = None, **how: Any) -> Tables:
-    """Load-slip laws (None: all), and the points that they are drawn over; see `fit_load_slip`."""
-    fits = (fit_load_slip(fitted, name, **how) for name in laws or LAWS)
-    tables = stacked((fit.law, known_of(fit, held, how.get("confidence", 0.9))) for fit in fits)
+def load_slip(asked: LoadSlipQuestion, fitted: Rows, held: Rows) -> Tables:
+    """Load-slip laws, and the points that they are drawn over."""
+    how: dict[str, Any] = {n: getattr(asked, n) for n in ("loss", "least_points", "confidence")}
+    fits = (fit_load_slip(fitted, name, **how) for name in asked.law or LAWS)
+    tables = stacked((fit.law, known_of(fit, held, asked.confidence)) for fit in fits)
     return {**tables, "points": points_of(fitted, held)}
 
 
-def residual(
-    fitted: Rows,
-    held: Rows,
-    quantities: Sequence[str] = tuple(QUANTITIES),
-    *,
-    given: Mapping[str, float | None],
-    model: Callable[[], Any] | None,
-    predicted_reference: bool = False,
-    judged: bool = False,
-    **how: Any,
-) -> Tables:
-    """Residual `quantities` after damage; without tests one answer for every stud.
+CALIBRATION = "provines2019"  # the shipped campaign with strength, stiffness and slip
 
-    Arguments: `predicted_reference`, see `predicted_references`; `judged`, by all rows that are
-    `held`, whether they tell or not; the rest as in `answer_residual`. Raises `InputError`.
+
+@lru_cache(maxsize=1)
+def shipped_model() -> Any:
+    """The mechanical model, calibrated on the shipped campaign that tells all that it needs."""
+    from workbench.studs.mechanical import calibrate
+
+    return calibrate(split_table(shipped("stud-push-out"), (CALIBRATION,))[0])
+
+
+def residual(asked: ResidualQuestion, fitted: Rows, held: Rows) -> Tables:
+    """What is left of strength, stiffness or both; without tests one answer for every stud.
+
+    Campaigns that are to validate judge it, whether they tell or not. Raises `InputError`.
     """
-    if predicted_reference:
+    stud = {column: getattr(asked, column.lower()) for column in USUAL}
+    for column, value in stud.items():
+        if value is not None:
+            TESTS.column(column).rule.check(f"--{column.lower().replace('_', '-')}", value)
+    how = {n: getattr(asked, n) for n in ("predamage", "measure", "loss", "confidence")}
+    how["known_between"] = asked.known_between
+    if asked.predicted_reference:
         fitted = predicted_references(fitted)
     fits: list[tuple[ResidualFit, Rows]] = []
     refusals = {}
-    for name in quantities:
+    for name in tuple(QUANTITIES) if asked.quantity == "both" else (asked.quantity,):
         try:
-            answers = answer_residual(fitted, name, given, model, **how)
+            model = shipped_model if asked.mechanical else None
+            answers = answer_residual(fitted, name, stud, model, **how)
         except InputError as error:
             if error.field != "table":
                 raise
             refusals[name] = error  # tests may tell of the other quantity alone
             continue
         relevant = damaged_rows(held, name, answers[0].predamage, answers[0].measure)
-        wanted = judged or not relevant.empty  # asked for by name, or there by their role
+        wanted = asked.validate or not relevant.empty  # asked for by name, or there by their role
         fits += [(fit, held if wanted else relevant) for fit in answers]
     if not fits:
         raise next(iter(refusals.values()))
     single = len({fit.stud for fit, _ in fits}) == 1
-    confidence = how.get("confidence", 0.9)
     tables = stacked(
         (
             fit.quantity if single else f"{fit.quantity}, {fit.stud}",
-            known_of(fit, judging, confidence),
+            known_of(fit, judging, asked.confidence),
         )
         for fit, judging in fits
     )
     return {**tables, "not_fitted": _reasons(refusals)}
 
 
-def interaction(fitted: Rows, held: Rows, **how: Any) -> Tables:
-    """The exponent of tension with shear, and the laws of the codes; see `fit_interaction`."""
-    fit = fit_interaction(fitted, **how)
-    return stacked([(fit.law, known_of(fit, held, how.get("confidence", 0.9)))])
+def interaction(asked: InteractionQuestion, fitted: Rows, held: Rows) -> Tables:
+    """The exponent of tension with shear, and the laws of the codes."""
+    fit = fit_interaction(fitted, loss=asked.loss, confidence=asked.confidence)
+    return stacked([(fit.law, known_of(fit, held, asked.confidence))])
+
+
+def few_tests(asked: FewTestsQuestion, fitted: Rows, held: Rows) -> Tables:
+    """Every group of nominally equal tests, by the scatter that earlier ones have shown."""
+    return {"groups": pd.DataFrame(evaluate_few(fitted, asked.known_variation or 0.0))}
+
+
+_ANSWERS: dict[type[Question], Callable[..., Tables]] = {
+    StrengthQuestion: strength,
+    LoadSlipQuestion: load_slip,
+    ResidualQuestion: residual,
+    InteractionQuestion: interaction,
+    FewTestsQuestion: few_tests,
+}
+
+
+def find(asked: Question, fitted: Rows, held: Rows) -> Tables:
+    """The tables of the answer, of the rows to fit and of those `held` out to judge the fit."""
+    return _ANSWERS[type(asked)](asked, fitted, held)
+
+
+def fit_question(asked: Question, table: Rows) -> Tables:
+    """The tables of the answer by name: `fit`, `parameters`, `findings`, `judgement` and its own.
+
+    `table` of the schema `TESTS`, or `POINTS`. Raises `InputError`, `SolverError`.
+    """
+    return find(asked, *asked.split(table))
 
 
 LIKE = 1.01  # ratio of scatters that is no difference: an interval must lie above it

@@ -30,18 +30,17 @@ from workbench.studs.fit_protocol import (
 )
 from workbench.studs.formulas import Formula, characteristic_strength, strength_formula
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
-from workbench.studs.statistics.annex_d import D8, evaluate_d8, sensitivities_of
-from workbench.studs.statistics.intervals import tails_of
-from workbench.studs.statistics.mixed import fit_robust
-from workbench.studs.statistics.prediction import (
+from workbench.studs.series import D8, evaluate_d8, sensitivities_of
+from workbench.studs.statistics.intervals import (
     LeftOut,
     coverage,
     influence_of,
     leave_one_campaign_out,
     predictive_quantile,
+    tails_of,
     without_each,
 )
-from workbench.studs.statistics.problem import NEW, Problem, problem
+from workbench.studs.statistics.mixed import NEW, Problem, fit_robust, problem
 from workbench.studs.suspicion import (
     measurement_of,
     slab_findings,

@@ -23,9 +23,8 @@ from workbench.studs.quantities import (
     undamaged_headed_studs,
 )
 from workbench.studs.schema import HEADED, LARGEST_GAIN, NO_PREDAMAGE, QUANTITIES
-from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
-from workbench.studs.statistics.mixed import fit
-from workbench.studs.statistics.problem import Problem, location
+from workbench.studs.series import LEAST_FOR_DESIGN
+from workbench.studs.statistics.mixed import Problem, fit, location
 from workbench.studs.tables import same_contents
 
 # median of test over the mean form of EN 1994-1-1 in a campaign: shipped ones have 0.9 and 1.2

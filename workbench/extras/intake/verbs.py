@@ -87,11 +87,11 @@ def check(
 
     With files of your own, only those: tests on studs, points of load-slip curves, impact tests.
     """
+    from workbench.base.catalogue import check as problems_of
+    from workbench.base.catalogue import datasets
     from workbench.base.tables import Reading
     from workbench.extras.intake import check_file, problems_of_own
-    from workbench.studs import check_tables
-    from workbench.study.error_model import check as problems_of
-    from workbench.study.error_model import datasets
+    from workbench.studs.tables import check_tables
 
     if files:
         how = Reading(sheet, sep, decimal)

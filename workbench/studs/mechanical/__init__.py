@@ -3,10 +3,10 @@
 from workbench.studs.mechanical.calibration import MechanicalFit as MechanicalFit
 from workbench.studs.mechanical.calibration import calibrate as calibrate
 from workbench.studs.mechanical.calibration import interaction_points as interaction_points
+from workbench.studs.mechanical.calibration import pull_out as pull_out
+from workbench.studs.mechanical.calibration import pull_then_push as pull_then_push
+from workbench.studs.mechanical.calibration import push_out as push_out
 from workbench.studs.mechanical.calibration import residual_curve as residual_curve
-from workbench.studs.mechanical.driving import pull_out as pull_out
-from workbench.studs.mechanical.driving import pull_then_push as pull_then_push
-from workbench.studs.mechanical.driving import push_out as push_out
-from workbench.studs.mechanical.parameters import Stud as Stud
-from workbench.studs.mechanical.parameters import Surroundings as Surroundings
-from workbench.studs.mechanical.parameters import studs_of as studs_of
+from workbench.studs.mechanical.structure import Stud as Stud
+from workbench.studs.mechanical.structure import Surroundings as Surroundings
+from workbench.studs.mechanical.structure import studs_of as studs_of
