@@ -1,10 +1,10 @@
 """One answer on the page: its curves, its shapes, its numbers, its findings.
 
-Curves are few whole numbers: thinned, rounded to a step, each as its difference from the last. The
-page's script decodes them by sums.
+Curves are thinned and rounded to whole numbers of 16 bits.
 """
 
 import json
+from base64 import b64encode
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -27,6 +27,16 @@ from workbench.study.assessment.budget import PEAK, RESIDUAL
 from workbench.study.definition import DATA, Case
 
 MEDIAN = "velocity.at_50"  # of a fragility curve
+_ENDS = {
+    "ok": "answered",
+    "collapse": "collapses",
+    "out-of-domain": "refused",
+    "not-converged": "not converged",
+    "not run": "not run",
+    "timed-out": "out of time",
+    "crashed": "crashed",
+    "invalid-input": "input refused",
+}
 _BOW = 0.002  # of the size of the structure: a member that bends less is sent by its ends
 
 
@@ -76,37 +86,21 @@ FRAGILITIES = Plane(
 )
 
 
-class Detail(NamedTuple):
-    """Most points of a history, snapshots, and points of bands and energies on a page."""
-
-    points: int
-    snapshots: int
-    coarse: int
+# most points of a history on a page, from fine to rough; the first that fits counts
+DETAILS = (500, 300, 200, 120, 60, 24)
+_FINEST = 32_000  # steps of the largest magnitude of a curve, in whole numbers of 16 bits
 
 
-# from fine to rough; the first that fits counts
-DETAILS = (
-    Detail(500, 61, 80),
-    Detail(300, 61, 50),
-    Detail(200, 31, 40),
-    Detail(120, 21, 25),
-    Detail(60, 11, 15),
-    Detail(24, 5, 8),
-)
-FINE, ROUGH = 10_000, 2_000  # steps of the largest magnitude of a curve; of a shape
+def coarse(points: int) -> int:
+    """Most instants of bands, energies and deformed shapes beside histories of so many points."""
+    return max(points // 7, 6)
 
 
-def packed(values: ArrayLike, fine: int = FINE) -> dict[str, Any]:
-    """Values (..., n) as whole multiples of a step, along the first axis each less the last one.
-
-    The step is the largest magnitude over `fine`, rounded to three digits.
-    """
+def packed(values: ArrayLike) -> dict[str, Any]:
+    """Values as whole multiples of a step, in two bytes each, as text."""
     table = np.asarray(values, dtype=float)
-    largest = float(np.abs(table).max(initial=0.0))
-    step = float(f"{largest / fine:.3g}") or 1.0  # nothing to tell apart, or too small for that
-    whole = np.round(table / step).astype(np.int64)
-    first = np.zeros_like(whole[:1])
-    return {"step": step, "n": np.diff(whole, axis=0, prepend=first).ravel().tolist()}
+    step = float(np.abs(table).max(initial=0.0)) / _FINEST or 1.0
+    return {"step": step, "n": b64encode(np.round(table / step).astype("<i2").tobytes()).decode()}
 
 
 @dataclass(frozen=True)
@@ -124,19 +118,19 @@ class Record:
     energies: tuple[Array, dict[str, Array], Array] | None
     shapes: Shapes | None
 
-    def kept(self, detail: Detail) -> dict[str, Any]:
+    def kept(self, points: int) -> dict[str, Any]:
         """The curves as the page holds them."""
-        time, moved = thinned(self.time, self.moved, detail.points)
+        time, moved = thinned(self.time, self.moved, points)
         curves: dict[str, Any] = {"t": packed(time), "d": packed(moved)}
         if self.band is not None:
             curves["band"] = dict(zip(("t", "low", "high"), map(packed, self.band), strict=True))
         if self.energies is not None:
             at, parts, brought = self.energies
-            few = evenly(len(at), detail.coarse)
+            few = evenly(len(at), coarse(points))
             kinds = {name: packed(part[few]) for name, part in parts.items()}
             curves["energy"] = {"t": packed(at[few]), "parts": kinds, "in": packed(brought[few])}
         if self.shapes is not None:
-            curves["shape"] = _shape(self.shapes, detail)
+            curves["shape"] = _shape(self.shapes, coarse(points))
         return curves
 
 
@@ -163,7 +157,7 @@ def _band(time: Array, moved: Array, response: Response) -> tuple[Array, Array, 
     directions = directions_of(response)
     if not directions:
         return None
-    few = evenly(len(time), DETAILS[0].coarse)
+    few = evenly(len(time), coarse(DETAILS[0]))
     curves = {name: run["displacement"].values[few] for name, run in variants(response)}
     widths = [
         estimate(directions, {name: float(curve[i]) for name, curve in curves.items()}).width
@@ -175,19 +169,26 @@ def _band(time: Array, moved: Array, response: Response) -> tuple[Array, Array, 
     return time[few], moved[few] - half, moved[few] + half
 
 
-def _shape(shapes: Shapes, detail: Detail) -> dict[str, Any]:
+def is_upright(rest: Points) -> bool:
+    """Whether all members (members, points) stand in one vertical line: they are drawn lying."""
+    return bool(np.ptp(rest.real) == 0.0)
+
+
+def _shape(shapes: Shapes, snapshots: int) -> dict[str, Any]:
     """Displacements of the members at some snapshots, the peak among them.
 
     Numbers of a snapshot: x and y of each point, member after member.
     """
-    few = np.unique([*evenly(len(shapes.at), detail.snapshots), shapes.peak])
+    few = np.unique([*evenly(len(shapes.at), snapshots), shapes.peak])
     moved = (shapes.curves - shapes.rest[..., None])[..., few]
+    if is_upright(shapes.rest):
+        moved = moved.imag + 1j * moved.real
     tracks = [_track(moved[i], _BOW * shapes.size) for i in range(len(moved))]
     pairs = np.concatenate([np.stack([z.real, z.imag], axis=-1) for z in tracks], axis=1)
     shape: dict[str, Any] = {
         "t": packed(shapes.at[few]),
         "points": [track.shape[1] for track in tracks],
-        "n": packed(pairs.reshape(len(few), -1), ROUGH),
+        "moved": packed(pairs),
         "chords": shapes.chords,
     }
     if shapes.hinges:
@@ -222,16 +223,15 @@ def numbers_of(
     numbers = dict(cell.numbers)
     if response is not None:
         numbers |= {each: float(response[each]) for each in plane.numbers if each in response}
-    content: dict[str, Any] = {
-        "outcome": cell.outcome,
-        "text": dict(_texts(cell, numbers, response, errors, plane)),
-    }
+    words = "answered, outside its domain" if cell.ok and cell.outside else _ENDS[cell.outcome]
+    content: dict[str, Any] = {"ends": words, "outside": bool(cell.outside)}
     if not cell.ok:
-        content["message"] = cell.message
+        words = f"{words}: {cell.message}"
+    if best is not None and {cell.outcome, best.outcome} == {Outcome.OK, Outcome.COLLAPSE}:
+        content["apart"] = True
+        words = f"{words}; {best.label} {'survives' if best.ok else 'collapses'}"
     if cell.collapse is not None:
         content["collapse"] = [cell.collapse.time, cell.collapse.displacement]
-    if cell.outside:
-        content["outside"] = 1
     for name, quantity in (("main", main), ("begin", plane.begin)):
         if quantity in numbers:
             content[name] = _short(numbers[quantity])
@@ -240,9 +240,7 @@ def numbers_of(
     if main in errors:
         error, width = (errors[main][name] for name in ("error", "uncertainty"))
         content |= {"error": _short(error), "tone": _tone(error, width, sure) if best else ""}
-    if best is not None and {cell.outcome, best.outcome} == {Outcome.OK, Outcome.COLLAPSE}:
-        content["apart"] = f"{best.label} {'survives' if best.ok else 'collapses'}"
-    return content
+    return {**content, "row": [words, *_texts(cell, numbers, response, errors, plane)]}
 
 
 def _texts(
@@ -251,20 +249,24 @@ def _texts(
     response: Response | None,
     errors: Mapping[str, Mapping[str, Any]],
     plane: Plane,
-) -> Iterator[tuple[str, str]]:
-    """The numbers of a cell as the reader sees them; those that it does not know are absent."""
-    for quantity in plane.numbers:
-        if quantity not in numbers:
-            continue
-        yield quantity, plane.text(quantity, numbers[quantity], *_width(response, quantity))
-        if quantity in errors:
+) -> Iterator[str]:
+    """The numbers of a cell as the reader sees them, empty where it does not know them.
+
+    The first two are followed by their error.
+    """
+    for i, quantity in enumerate(plane.numbers):
+        known = quantity in numbers
+        value = numbers.get(quantity, 0.0)
+        yield plane.text(quantity, value, *_width(response, quantity)) if known else ""
+        if i < 2 and known and quantity in errors:
             row = errors[quantity]
-            text = interval("relative_error", quantity, row["error"], row["uncertainty"])
-            yield f"{quantity} error", text
+            yield interval("relative_error", quantity, row["error"], row["uncertainty"])
+        elif i < 2:
+            yield ""
     took = cell.numbers.get("solve_time", cell.numbers.get("wall_time"))
     looked_up = response is not None and response.attrs.get("model") in DATA
-    if took is not None and not looked_up:
-        yield "cost", "may hold compiling" if cell.numbers.get("cold") else duration(took)
+    cold = "may hold compiling" if cell.numbers.get("cold") else ""
+    yield "" if took is None or looked_up else cold or duration(took)
 
 
 def _width(response: Response | None, quantity: str) -> tuple[float | None, str]:
