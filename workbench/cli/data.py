@@ -11,14 +11,14 @@ import typer
 
 from workbench.cli.output import DECIMAL, SEP, SHEET, Answer, Names, option, verb, writable
 from workbench.cli.studies import StoreRoot
-from workbench.report.page.tree import (
+from workbench.report.page.markdown import (
     Block,
-    Bullets,
-    Callout,
-    Definitions,
-    Paragraph,
-    Section,
     Table,
+    bullets,
+    callout,
+    definitions,
+    paragraph,
+    section,
 )
 
 app = typer.Typer(
@@ -50,8 +50,8 @@ def show(name: str = typer.Argument(metavar="NAME", help="Name of the dataset.")
 
 
 def _shown(entry: dict[str, Any], rows: list[dict[str, Any]]) -> Iterator[Block]:
-    yield Definitions(tuple((key, value) for key, value in entry.items() if isinstance(value, str)))
-    yield Section("columns", "Columns:", (Definitions(tuple(entry["columns"].items())),))
+    yield definitions(tuple((key, value) for key, value in entry.items() if isinstance(value, str)))
+    yield section("columns", "Columns:", definitions(tuple(entry["columns"].items())))
     yield Table.of("rows", "", {name: name for name in (rows or [entry["columns"]])[0]}, rows)
 
 
@@ -103,21 +103,21 @@ def _added(added: Any) -> Iterator[Block]:
     entry = added.entry
     if added.already:
         text = "The same rows are in the catalogue already"
-        yield Paragraph(f"{text}, as {entry.name}: {entry.path}")
-        yield Paragraph("Nothing was written.")
+        yield paragraph(f"{text}, as {entry.name}: {entry.path}")
+        yield paragraph("Nothing was written.")
         return
     rows = "SYNTHETIC rows" if entry.role == "synthetic" else "rows"
-    yield Paragraph(f"{added.rows} {rows} of {entry.kind} are in {entry.path} as {entry.name}.")
+    yield paragraph(f"{added.rows} {rows} of {entry.kind} are in {entry.path} as {entry.name}.")
     stated = ("title", "source", "licence", "year", "role")
-    yield Definitions(tuple((name, getattr(entry, name)) for name in stated))
+    yield definitions(tuple((name, getattr(entry, name)) for name in stated))
     if added.notes:
-        yield Bullets(added.notes)
+        yield bullets(added.notes)
     for text in added.doubts:
-        yield Callout("doubt", f"taken despite: {text}")
+        yield callout("doubt", f"taken despite: {text}")
     if added.read:
-        yield Paragraph(f"Next: {added.then}")
+        yield paragraph(f"Next: {added.then}")
     else:
-        yield Callout("note", f"The catalogue reads this folder with WORKBENCH_DATA={entry.folder}")
+        yield callout("note", f"The catalogue reads this folder with WORKBENCH_DATA={entry.folder}")
 
 
 @app.command("measure")
@@ -155,7 +155,7 @@ def measure(
     write_atomically(path, csv_bytes(rows))
     judged = int(rows[TRUTH].notna().sum())
     text = f"{len(rows)} rows, {judged} of them with a truth, in {path}."
-    return Answer({"rows": len(rows), "judged": judged, "file": str(path)}, [Paragraph(text)])
+    return Answer({"rows": len(rows), "judged": judged, "file": str(path)}, [paragraph(text)])
 
 
 @app.command("check")
@@ -194,4 +194,4 @@ def check(
         content = {"datasets": len(datasets()), "problems": problems}
         texts = [*problems, f"{len(datasets())} datasets, {len(problems)} problems."]
         failed = bool(problems)
-    return Answer(content, [Paragraph(text) for text in texts], int(failed))
+    return Answer(content, [paragraph(text) for text in texts], int(failed))

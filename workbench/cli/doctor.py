@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from workbench.base.datafiles import can_write
 from workbench.cli.output import Answer, option, verb
-from workbench.report.page.tree import Block, Cell, Paragraph, Table
+from workbench.report.page.markdown import Block, Cell, Table, paragraph
 
 if TYPE_CHECKING:
     from workbench.responses import Response
@@ -65,7 +65,7 @@ def _blocks(checks: list[Check]) -> Iterator[Block]:
         "what it saw": "detail",
     }
     yield Table.of("checks", "", columns, checks)
-    yield from (Paragraph(f"{check.name}: {check.remedy}") for check in checks if check.remedy)
+    yield from (paragraph(f"{check.name}: {check.remedy}") for check in checks if check.remedy)
 
 
 def _guarded(name: str, check: Callable[[], Iterator[Check]]) -> list[Check]:
