@@ -1,25 +1,25 @@
-"""One tree on a terminal and in Markdown; HTML and Typst are looked at in `tests/report`."""
+"""One page on a terminal and in Markdown; HTML and Typst are looked at in `tests/report`."""
 
 from __future__ import annotations
 
 import pytest
 
-from workbench.report.page.documents import render_markdown
-from workbench.report.page.terminal import render_text
-from workbench.report.page.tree import (
+from workbench.report.page.documents import Document, render_markdown
+from workbench.report.page.markdown import (
     ABSENT,
-    Bullets,
-    Callout,
     Cell,
     Column,
-    Definitions,
-    Document,
-    Listing,
-    Paragraph,
     Picture,
-    Section,
     Table,
+    bullets,
+    callout,
+    definitions,
+    listing,
+    literal,
+    paragraph,
+    section,
 )
+from workbench.report.page.terminal import render_text
 
 RECORDS = [{"name": "a | b", "value": 1.5, "count": 3}, {"name": "c", "value": None, "count": 40}]
 TABLE = Table.of(
@@ -43,12 +43,12 @@ TABLE = Table.of(
 def test_a_table_of_records():
     assert TABLE.rows[0] == (Cell("a | b"), Cell("1.50", 1.5, "bad"), Cell("3", 3))
     assert TABLE.rows[1] == (Cell("c"), ABSENT, Cell("40", 40))
-    assert Table.of("k", "", (Column("x", of="text"),), [Paragraph("t")]).rows == ((Cell("t"),),)
+    assert Table.of("k", "", (Column("x", of="text"),), [Cell("t")]).rows == ((Cell("t"),),)
 
 
 def test_the_terminal_gets_aligned_columns_and_no_line_of_a_pipe_is_broken():
     long = "word " * 100
-    text = render_text(Paragraph(long), TABLE, Callout("bad", "careful"))
+    text = render_text(paragraph(long), TABLE, callout("bad", "careful"))
     lines = text.splitlines()
     assert lines[:3] == [long.strip(), "", "Values (Heng, P. 2017)."]
     head, _, first, second = lines[3:7]
@@ -59,16 +59,16 @@ def test_the_terminal_gets_aligned_columns_and_no_line_of_a_pipe_is_broken():
 
 
 def test_the_terminal_is_fitted_and_coloured_on_demand():
-    text = render_text(TABLE, Paragraph("word " * 30), width=40, colour=True)
+    text = render_text(TABLE, paragraph("word " * 30), width=40, colour=True)
     assert "\x1b[31m" in text
-    assert max(map(len, render_text(TABLE, Paragraph("word " * 30), width=40).splitlines())) <= 40
+    assert max(map(len, render_text(TABLE, paragraph("word " * 30), width=40).splitlines())) <= 40
 
 
 def test_sections_and_lists_on_the_terminal():
     blocks = (
-        Paragraph("before"),
-        Section("s", "Title", (Bullets(("one", "two")), Definitions((("term", "`code`"),)))),
-        Listing("file", "a = 1"),
+        paragraph("before"),
+        section("s", "Title", bullets(("one", "two")), definitions((("term", "`code`"),))),
+        listing("file", "a = 1"),
     )
     assert render_text(*blocks).splitlines() == [
         "before",
@@ -86,10 +86,12 @@ def test_sections_and_lists_on_the_terminal():
 def page() -> str:
     picture = Picture("p", "t", "caption", "", "alt", statements=("said",), image="figures/p.png")
     sections = (
-        Section("a", "", (Paragraph("asked <b>"), TABLE, Callout("doubt", "two\nlines"))),
-        Section("b", "Part", (picture, Definitions((("term", "text"),)), Listing("l", "x = 1"))),
+        section("a", "", paragraph("asked <b>"), TABLE, callout("doubt", "two\nlines")),
+        section("b", "Part", picture, definitions((("term", "text"),)), listing("l", "x = 1")),
     )
-    return render_markdown(Document("Name", "", ("made by `x`",), sections))
+    return render_markdown(
+        Document("Name", "", ("made by `x`",), literal(sections), {"p": picture})
+    )
 
 
 def test_markdown(page):

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 from builders import MOST_WORDS, portal, words_in_sight
+from pages import View, views
 from synthetic_study import Synthetic, store_of, sweep_study
 from toy_models import Spring
 
@@ -27,7 +28,6 @@ from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
 from workbench.report.page.terminal import render_text
-from workbench.report.page.tree import Bullets, Paragraph, Section, Table, walk
 from workbench.report.stored import CellState, Stored
 from workbench.responses import Finding
 from workbench.scenarios import FrameImpact, FrameStriker
@@ -68,15 +68,14 @@ def ranked(stored: Stored, tmp_path_factory) -> Stored:
     return store_of(study, tmp_path_factory.mktemp("ranked"))
 
 
-def table_of(stored: Stored) -> Table:
-    (table,) = (block for block in matrix(stored.study, stored) if isinstance(block, Table))
+def table_of(stored: Stored) -> View:
+    (table,) = views(matrix(stored.study, stored), "table")
     return table
 
 
 def test_a_cell_says_bias_cases_and_domain(stored: Stored) -> None:
     table = table_of(stored)
-    titles = [column.title for column in table.columns]
-    assert titles == ["model", "hit low", "hit at mid-height", "time / reference"]
+    assert table.titles == ["model", "hit low", "hit at mid-height", "time / reference"]
     reference, close, off = table.rows
     assert reference[0].text == "reference"
     assert (reference[1].text, reference[1].more[:7]) == ("reference", "4 cases")
@@ -88,8 +87,7 @@ def test_a_cell_says_bias_cases_and_domain(stored: Stored) -> None:
 
 
 def test_models_that_may_be_relied_on_are_named_first(stored: Stored) -> None:
-    first = next(block for block in matrix(stored.study, stored))
-    assert isinstance(first, Bullets)
+    first = views(matrix(stored.study, stored))[0]
     # no uncertainty of the reference is known: nobody knows whether 1 % is within 10 %
     groups = "hit low; hit at mid-height: "  # a sentence for both: the same is said of them
     nearest = "nearest is close (off by up to 1\u2009%, numerical error not known)"
@@ -115,7 +113,7 @@ def test_a_model_that_errs_on_collapse_or_fails_is_neither_green_nor_taken(
     tones = {row[0].text: row[1].tone for row in table_of(stored).rows}
     wrong, right = ("stands", "falls") if reference_falls else ("falls", "stands")
     assert (tones[right], tones[wrong]) == ("good", "bad")
-    text = next(block for block in matrix(study, stored) if isinstance(block, Bullets)).items[0]
+    text = views(matrix(study, stored), "bullets")[0].items[0]
     assert text.startswith(f"all cases: {right}, peak within 2\u2009% of mesh 3 in 3 cases")
     assert not re.search(rf"{wrong}|breaks", text)
 
@@ -129,7 +127,7 @@ def test_every_form_of_frame_is_named_with_its_hits() -> None:
     ]
     cases = tuple(Case(hit.name, hit) for hit in hits)
     study = replace(sweep_study(), cases=cases, groups={"low": ("a", "b"), "high": ("c",)})
-    (finding,) = subject(study)
+    (finding,) = views(subject(study))
     first, second = str(finding).split("; ")
     assert "3 m high of 4 members" in first
     assert "hit 1 m, 2 m above the ground, by a rigid striker of 500 kg at 5 and 9 m/s" in first
@@ -142,8 +140,8 @@ def test_every_form_of_frame_is_named_with_its_hits() -> None:
 
 
 def test_the_first_page_says_what_is_hit_and_whether_it_stands(stored: Stored) -> None:
-    section = answer(stored.study, stored, [])
-    text = " ".join(str(block) for block in walk((section,)) if isinstance(block, Paragraph))
+    page = answer(stored.study, stored, [])
+    text = " ".join(view.text for view in views(page, "paragraph"))
     assert "What is hit: HEB 160" in text
     assert "by a rigid striker of" in text
     assert "m/s" in text
@@ -161,8 +159,7 @@ def test_models_of_the_registry_are_named_as_the_study_calls_them(stored: Stored
 
 
 def test_a_reference_outside_its_domain_can_neither_clear_nor_condemn(ranked: Stored) -> None:
-    first = next(block for block in matrix(ranked.study, ranked))
-    assert isinstance(first, Bullets)
+    first = views(matrix(ranked.study, ranked))[0]
     low = "hit low: not known, as no reference is inside its domain; "
     assert first.items[0].startswith(f"{low}nearest is close (off by up to 50")
     close = table_of(ranked).rows[2]
@@ -189,15 +186,14 @@ def test_numbers_stand_with_what_is_known_of_them(small: Stored, ranked: Stored)
     width = small.number(case, "reference", "peak_displacement_uncertainty")
     assert width == pytest.approx(small.ladder(case, "peak_displacement")["uncertainty"])
     assert small.number(case, "four-dof", "peak_displacement_uncertainty") is None  # no mesh
-    table = next(
-        b for b in numbers(small.study, small).blocks if b.key.endswith("peak_displacement")
-    )
+    tables = views(numbers(small.study, small), "table")
+    table = next(table for table in tables if table.key.endswith("peak_displacement"))
     by_label = {row[0].text: row[1].text for row in table.rows}
     assert re.fullmatch(r"[\d.]+ ± [\d.]+", by_label["reference"])
     assert re.fullmatch(r"[\d.]+\s[+\u2212][\d.]+ ± [\d.]+\u2009%", by_label["four-dof"])
     # of several references the one that counts in a case
-    table = next(b for b in numbers(ranked.study, ranked).blocks if isinstance(b, Table))
-    assert "governing reference" in table.caption
+    table = views(numbers(ranked.study, ranked), "table")[0]
+    assert "governing reference" in table.text
     row = next(row for row in table.rows if row[0].text == "HEB 160, 0.5 L, 20 mps")
     assert "\u2009%" in row[1].text  # close, against the reference
     assert "\u2009%" not in row[-1].text
@@ -210,7 +206,8 @@ def test_the_top_of_a_report_counts_models_and_says_what_a_quick_form_lacks(smal
     assert form == f"Quick form: without 1 model of {small.study.name}"
     data = [label for label, model in quick.models.items() if holds_data(model)]
     assert f", {len(quick.models) - len(data)} models" in counted
-    names = [str(b) for b in matrix(small.study, small) if "Names at the command" in str(b)]
+    texts = [view.text for view in views(matrix(small.study, small), "paragraph")]
+    names = [text for text in texts if "Names at the command" in text]
     assert len(names) == any(
         label != model.name and model.name in model_names()
         for label, model in small.study.models.items()
@@ -221,7 +218,7 @@ def test_every_renderer_shows_the_same_cells(stored: Stored, tmp_path) -> None:
     files = build_report(stored, out=tmp_path)
     html = files["html"].read_text(encoding="utf-8")
     page = summary(stored, tmp_path / "kept").read_text(encoding="utf-8")
-    text = render_text(*in_brief(stored.study, stored))
+    text = render_text(in_brief(stored.study, stored))
     assert files["pdf"].read_bytes().startswith(b"%PDF")
     for cell in (cell for row in table_of(stored).rows for cell in row):
         texts = re.escape(cell.text.split("\n")[0])
@@ -281,7 +278,7 @@ def test_cases_without_a_peak_make_no_matrix(small, tmp_path) -> None:
     push = tuple(case for case in small.study.cases if case.scenario.STATIC)
     study = replace(small.study, name="pushed", cases=push, gates=(), figures=())
     result = store_of(study, tmp_path)
-    assert list(matrix(study, result)) == []
+    assert not matrix(study, result)
     first = document(study, result, []).sections[0]
     assert (first.key, len(first.blocks)) == ("answer", 1)
 
@@ -289,10 +286,6 @@ def test_cases_without_a_peak_make_no_matrix(small, tmp_path) -> None:
 def test_reasons_stand_once_for_all_gates_alike(small) -> None:
     whole = document(small.study, small, [])
     (gates,) = (s for s in whole.sections if s.key == "verdicts")
-    values = [
-        pair for block in walk((gates,)) if block.kind == "definitions" for pair in block.pairs
-    ]
+    values = [pair for view in views(gates, "definitions") for pair in view.pairs]
     assert ("gates 1 to 5", "a tenth is what design can absorb [@heng2017]") in values
-    blocks = list(walk((answer(small.study, small, ()),)))
-    assert any(isinstance(block, Section) for block in whole.sections)
-    assert [block.kind for block in blocks].count("table") == 1
+    assert len(views(answer(small.study, small, ()), "table")) == 1

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pages import views
 from synthetic_frames import SyntheticFrame, frame_study, portal
 from synthetic_study import store_of
 from test_report_figures import request
@@ -19,8 +20,8 @@ from workbench.report.chapters import configuration, limits
 from workbench.report.drawing.sheet import thinned
 from workbench.report.figures import draw
 from workbench.report.gallery import to_svg
-from workbench.report.page.documents import render_pdf
-from workbench.report.page.tree import Callout, Document, Listing, Picture, Section, Table, walk
+from workbench.report.page.documents import Document, render_pdf
+from workbench.report.page.markdown import Picture, section
 from workbench.report.stored import Stored
 from workbench.scenarios import FrameStatic, Load, regular_frame, scenario_from
 from workbench.steel.sections import find
@@ -183,15 +184,15 @@ def test_the_layout_of_a_drawn_figure_is_final(frames):
 
 
 def test_shear_below_the_plastic_resistance_has_a_table_and_no_headline(frames):
-    section = limits.domain(frames.study, frames)
-    assert not any(isinstance(block, Callout) for block in section.blocks)
-    assert [block.key for block in walk((section,)) if isinstance(block, Table)] == ["shear"]
+    page = limits.domain(frames.study, frames)
+    assert not views(page, "callout")
+    assert [table.key for table in views(page, "table")] == ["shear"]
 
 
 def test_every_kind_of_case_is_listed_in_full(frames):
-    section = configuration.configuration(frames.study, frames)
-    listings = [block for block in walk((section,)) if isinstance(block, Listing)]
-    printed = [block.title for block in listings if block.printed]
+    page = configuration.configuration(frames.study, frames)
+    listings = views(page, "listing")
+    printed = [listing.title for listing in listings if listing.on_paper]
     assert printed == ["storeys", "cycles", "shaken"]
     for case, block in zip(
         sorted(frames.study.cases, key=lambda case: case.name),
@@ -200,7 +201,7 @@ def test_every_kind_of_case_is_listed_in_full(frames):
     ):
         assert scenario_from(tomllib.loads(block.text)) == case.scenario
         assert max(map(len, block.text.splitlines())) < 140
-    table = next(b for b in walk((section,)) if isinstance(b, Table) and b.key == "cases")
+    table = next(table for table in views(page, "table") if table.key == "cases")
     ((name, like, changes, _),) = table.rows
     assert (name.text, like.text) == ("from above", "storeys")
     assert "its listing is in the HTML report" in changes.text
@@ -209,15 +210,10 @@ def test_every_kind_of_case_is_listed_in_full(frames):
 def pages_of(pictures: int, height: float) -> int:
     """Pages of a report with pictures of a height (mm) over the whole width of 170 mm."""
     box = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 170 {height}"/>'
-    chapter = Section(
-        "results",
-        "Results",
-        tuple(
-            Section(f"s{i}", f"Picture {i}", (Picture(f"p{i}", "t", "caption", box, "alt"),))
-            for i in range(pictures)
-        ),
-    )
-    pdf = render_pdf(Document("Report", "", ("fact",), (chapter,)))
+    drawn = [Picture(f"p{i}", "t", "caption", box, "alt") for i in range(pictures)]
+    parts = [section(f"s{i}", f"Picture {i}", p, level=2) for i, p in enumerate(drawn)]
+    page = section("results", "Results", *parts)
+    pdf = render_pdf(Document("Report", "", ("fact",), page, {p.key: p for p in drawn}))
     return len(re.findall(rb"/Type\s*/Page\b(?!s)", pdf))
 
 

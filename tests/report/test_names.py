@@ -44,7 +44,7 @@ def test_names_that_look_missing_or_like_formulas_are_read_back(
     assert {row["model"] for row in stored.rows["comparisons"]} == {*NAMES} - {
         stored.study.reference
     }
-    first = render_text(*in_brief(stored.study, stored))
+    first = render_text(in_brief(stored.study, stored))
     assert all(f"\n{name} " in first for name in NAMES)
     files = build_report(stored, formats=("html",))
     page = files["html"].read_text("utf-8")

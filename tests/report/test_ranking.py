@@ -9,6 +9,7 @@ from workbench.report.chapters import choice
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import Look
 from workbench.report.figures import draw
+from workbench.report.page.reading import read
 from workbench.report.page.terminal import render_text
 from workbench.study import Figure
 from workbench.study.chooser import CORRECTED, SURE
@@ -58,7 +59,7 @@ def error_model(*cells: dict) -> SimpleNamespace:
 
 def test_the_first_page_takes_the_anchor_and_says_when_not_and_why() -> None:
     sure = {**CELL, "cell": "heavy strikers", "warned": 0}
-    text = " ".join(render_text(*choice.anchored(error_model(CELL, sure))).split())
+    text = " ".join(render_text(choice.anchored(error_model(CELL, sure))).split())
     asked = "single-dof --option resistance=panel --option hit_mass=waves"
     assert f"Take panels (`{asked}`): peak within 10 % on 75 % of 120" in text
     assert "to be off, on 95 %, below 8 %" in text
@@ -66,7 +67,7 @@ def test_the_first_page_takes_the_anchor_and_says_when_not_and_why() -> None:
     assert "(light strikers), take beam: together within 10 % on 100 %" in text
     assert "Why: a light striker" in text
     assert "108 of 120" in text
-    assert "When not" not in render_text(*choice.anchored(error_model(sure)))
+    assert "When not" not in render_text(choice.anchored(error_model(sure)))
     assert not choice.anchored(SimpleNamespace(rows={"error-cells": []}))
 
 
@@ -83,18 +84,16 @@ def test_ways_to_choose_are_drawn() -> None:
 
 def test_the_error_model_by_model_and_by_choice() -> None:
     section = choice.error_model(error_model(CELL))
-    assert section is not None
-    text = " ".join(render_text(*section.blocks).split())
+    text = " ".join(render_text(section).split())
     assert "90 of 120" in text
     assert SURE.split(",")[0] in text
-    assert choice.error_model(SimpleNamespace(rows={"coverage": [], "chooser": []})) is None
+    assert not read(choice.error_model(SimpleNamespace(rows={"coverage": [], "chooser": []})))
 
 
 def test_the_table_counts_pairs() -> None:
     section = choice.ranking(stored(FIRST, WORSE, EQUAL))
-    assert section is not None
-    text = " ".join(render_text(*section.blocks).split())
+    text = " ".join(render_text(section).split())
     assert "50 of 60" in text
     assert "50 of 58 pairs (1e-08)" in text
     assert "itself" in text
-    assert choice.ranking(stored()) is None
+    assert not read(choice.ranking(stored()))

@@ -5,16 +5,17 @@ from __future__ import annotations
 import re
 import shutil
 from collections import Counter
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from pages import views
 
 from workbench.base.errors import InputError, WorkbenchError
 from workbench.report.build import build_report, document
 from workbench.report.explorer import explorer
 from workbench.report.page.documents import render_html
-from workbench.report.page.tree import Section, walk
 from workbench.report.stored import Stored
 from workbench.study import assess
 
@@ -190,7 +191,6 @@ def test_a_study_that_was_not_assessed_is_refused(small, tmp_path):
 
 
 def test_models_that_were_not_asked_are_told(small):
-    from dataclasses import replace
 
     from workbench.models.column_of_frame import ColumnOfFrame
     from workbench.report.chapters.limits import missing
@@ -200,25 +200,23 @@ def test_models_that_were_not_asked_are_told(small):
     asked = {name for (label, _), names in wider.unsupported().items() for name in names
              if label == "frames only"}  # fmt: skip
     assert asked == {case.name for case in wider.cases if not case.models}
-    last = missing(wider, Stored(small.directory, wider)).blocks[-1]
+    last = views(missing(wider, Stored(small.directory, wider)))[-1]
     assert any("frames only (model column-of-frame) does not answer" in t for t in last.items)
 
 
 def test_cells_that_never_ran_are_told(small, tmp_path):
-    from dataclasses import replace
 
     from synthetic_study import Synthetic
 
     from workbench.report.chapters.limits import missing
-    from workbench.report.page.tree import Table
 
     peaks = tuple(figure for figure in small.study.figures if figure.kind == "peaks")
     models = {**small.study.models, "late": Synthetic(gain=2.0)}
     wider = replace(small.study, models=models, figures=peaks)
     stored = Stored(small.directory, wider)
     assert stored.cells["push", "late"].outcome == "not run"
-    tables = [block for block in missing(wider, stored).blocks if isinstance(block, Table)]
-    rows = [cell.text for block in tables for row in block.rows for cell in row]
+    tables = views(missing(wider, stored), "table")
+    rows = [cell.text for table in tables for row in table.rows for cell in row]
     assert "late" in rows
     assert any("has not been run" in text for text in rows)
     written = build_report(Stored(small.directory, wider), formats=("html",), out=tmp_path)
@@ -241,11 +239,11 @@ def test_long_tables_are_cut_on_paper_only(sweep_html):
 
 def test_what_is_folded_stands_on_the_screen_and_not_on_paper(small) -> None:
     whole = document(small.study, small, [])
-    folded = [b for b in walk(whole.sections) if isinstance(b, Section) and b.folded]
+    folded = [view for view in views(whole.text, "section") if view.folded]
     assert {"asked", "numbers", "gate-reasons"} <= {section.key for section in folded}
     html = render_html(whole)
     assert html.count('<details class="fold screen-only">') == len(folded)
-    paper = whole.on_paper()
-    assert not [b for b in walk(paper.sections) if isinstance(b, Section) and b.folded]
-    last = paper.sections[-1].blocks[0]
-    assert all(section.title in str(last) for section in folded)
+    paper = replace(whole, on_paper=True)
+    seen = [view for part in paper.sections for view in views(part)]
+    assert not [view for view in seen if view.folded]
+    assert all(section.title in seen[-1].text for section in folded)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from pages import views
 from synthetic_study import shared_store_of, store_of
 
 from workbench.report.build import build_report
@@ -17,7 +18,6 @@ from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
 from workbench.report.gallery import cases_of, figures_of, to_svg
 from workbench.report.page.bibliography import bibliography
-from workbench.report.page.tree import Bullets, Callout, Table, walk
 from workbench.report.stored import Stored
 from workbench.scenarios import StudTests
 from workbench.studs.answers import StudMeasured, StudResidual
@@ -87,16 +87,16 @@ def test_there_is_no_structure_to_draw(studs):
 
 
 def test_what_is_not_validated_comes_first(studs):
-    blocks = stud_study.in_short(studs.study, studs)
-    (first,) = [block for block in blocks if isinstance(block, Callout)]
+    short = stud_study.in_short(studs.study, studs)
+    (first,) = views(short, "callout")
     assert first.tone == "bad"
     assert first.text.startswith("Not validated: strength and stiffness left after damage")
     assert GRADE in first.text
     assert "no combined test is in the tables" in first.text
-    section = stud_study.design(studs.study, studs)
-    (second, _) = [b for b in section.blocks if isinstance(b, Callout)]
+    page = stud_study.design(studs.study, studs)
+    (second, _) = views(page, "callout")
     assert "24 of 26 tests exceed the tensile strength of their shank" in second.text
-    items = [i for b in walk((*blocks, section)) if isinstance(b, Bullets) for i in b.items]
+    items = [item for view in views(short + page, "bullets") for item in view.items]
     values = {word: next(i for i in items if word in i) for word in SAID}
     assert all(text in values[word] for word, text in SAID.items())
 
@@ -118,10 +118,10 @@ SAID = {
 
 
 def test_design_numbers_are_those_of_the_fits(studs):
-    section = stud_study.design(studs.study, studs)
-    tables = {block.key: block for block in walk((section,)) if isinstance(block, Table)}
+    page = stud_study.design(studs.study, studs)
+    tables = {table.key: table for table in views(page, "table")}
     assert set(tables) == {"design-d8", "design-left-out", "design-load-slip", "design-residual"}
-    (_, callout) = [block for block in section.blocks if isinstance(block, Callout)]
+    (_, callout) = views(page, "callout")
     assert "none of the 14 groups of nominally equal tests has three" in callout.text
     row = next(row for row in tables["design-d8"].rows if row[0].text.startswith("EN 1994 mean"))
     assert row[-1].text == "1.059"
@@ -199,7 +199,7 @@ def test_tests_after_pre_damage_flip_the_chart(tmp_path):
     assert "band of a new test" in {
         text.get_text() for text in drawing.canvas.legends[0].get_texts()
     }
-    (only,) = stud_study.in_short(study, stored)
+    (only,) = views(stud_study.in_short(study, stored))
     assert "5 unseen tests of lab 3" in only.items[0]
     (result,) = assess(study, tmp_path).verdicts
     assert result.verdict.value == "pass"

@@ -7,13 +7,13 @@ import re
 from pathlib import Path
 
 import pytest
+from pages import views
 from toy_models import Troubled
 
 from workbench.cli.studies import gate_objects
 from workbench.report.build import summary
 from workbench.report.chapters.limits import collapses, missing
 from workbench.report.chapters.verdicts import verdicts
-from workbench.report.page.tree import Callout, Table
 from workbench.report.stored import Stored
 from workbench.study import Assessment, Gate, Study, assess, run_study
 
@@ -42,8 +42,8 @@ def test_gates_that_differ_only_in_their_cases_are_two_everywhere(judged, tmp_pa
     assert [row["verdict"] for row in stored.rows["verdicts"]] == [
         gate["verdict"] for gate in objects
     ]
-    section = verdicts(stored)
-    (table,) = [b for b in section.blocks if isinstance(b, Table) and b.key == "verdict-table"]
+    (table, *_) = views(verdicts(stored), "table")
+    assert table.key == "verdict-table"
     assert [row[0].text for row in table.rows] == ["pass", "pass", "fail"]
     assert table.rows[2][3].text == "collapsing collapses (v20.0)"
     assert [row[5].text for row in table.rows] == ["1 of 1", "2 of 2", "2 of 3"]
@@ -53,8 +53,8 @@ def test_gates_that_differ_only_in_their_cases_are_two_everywhere(judged, tmp_pa
 
 def test_a_collapse_is_said_in_the_first_line(judged, tmp_path) -> None:
     stored, _ = judged
-    first = verdicts(stored).blocks[0]
-    assert isinstance(first, Callout)
+    first = views(verdicts(stored))[1]
+    assert first.kind == "callout"
     assert first.tone == "bad"
     assert first.text == (
         "Of 3 gates, 2 passed, 1 failed, 0 inconclusive. One side collapses where the other "
@@ -68,11 +68,11 @@ def test_collapses_are_counted_apart_from_refusals_and_failures(judged) -> None:
     stored, _ = judged
     collapse = stored.cells["v20.0", "collapsing"].collapse
     assert collapse == ("geometry", ("below",), 0.5, 0.02)
-    statements, table = collapses(stored).blocks
+    _, statements, table = views(collapses(stored))
     assert statements.tone == "note"
     assert statements.text.startswith("In 1 cell of 15 the structure collapses, which is an answer")
     assert [cell.text for cell in table.rows[0]] == [
         *("v20.0", "collapsing", "geometry", "below", "0.0200", "0.500")
     ]
-    (callout,) = missing(stored.study, stored).blocks
+    (_, callout) = views(missing(stored.study, stored))
     assert callout.text == "All 15 cells hold an answer; nothing is missing."

@@ -307,9 +307,9 @@ def fit_residual(
     InputError
         For a table that cannot be read, with its first bad line, or without tests to fit.
     """
-    from workbench.studs import TESTS, examine
-    from workbench.studs import fit_residual as fit_rows
-    from workbench.studs.reading import from_frame
+    from workbench.studs.reading import examine, from_frame
+    from workbench.studs.relations import fit_residual as fit_rows
+    from workbench.studs.schema import TESTS
 
     if isinstance(table, pd.DataFrame):
         read = "use_for_fit" in table  # a table that was read is complete

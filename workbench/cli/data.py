@@ -11,12 +11,12 @@ import typer
 
 from workbench.cli.output import Answer, option, verb, writable
 from workbench.cli.studies import StoreRoot
-from workbench.report.page.tree import (
+from workbench.report.page.markdown import (
     Block,
-    Definitions,
-    Paragraph,
-    Section,
     Table,
+    definitions,
+    paragraph,
+    section,
 )
 
 app = typer.Typer(
@@ -48,8 +48,8 @@ def show(name: str = typer.Argument(metavar="NAME", help="Name of the dataset.")
 
 
 def _shown(entry: dict[str, Any], rows: list[dict[str, Any]]) -> Iterator[Block]:
-    yield Definitions(tuple((key, value) for key, value in entry.items() if isinstance(value, str)))
-    yield Section("columns", "Columns:", (Definitions(tuple(entry["columns"].items())),))
+    yield definitions(tuple((key, value) for key, value in entry.items() if isinstance(value, str)))
+    yield section("columns", "Columns:", definitions(tuple(entry["columns"].items())))
     yield Table.of("rows", "", {name: name for name in (rows or [entry["columns"]])[0]}, rows)
 
 
@@ -88,4 +88,4 @@ def measure(
     write_atomically(path, csv_bytes(rows))
     judged = int(rows[TRUTH].notna().sum())
     text = f"{len(rows)} rows, {judged} of them with a truth, in {path}."
-    return Answer({"rows": len(rows), "judged": judged, "file": str(path)}, [Paragraph(text)])
+    return Answer({"rows": len(rows), "judged": judged, "file": str(path)}, [paragraph(text)])

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from workbench.base.datafiles import can_write
 from workbench.cli.output import Answer, option, verb
-from workbench.report.page.tree import Block, Cell, Paragraph, Table
+from workbench.report.page.markdown import Block, Cell, Table, paragraph
 
 
 class Check(NamedTuple):
@@ -56,7 +56,7 @@ def _blocks(checks: list[Check]) -> Iterator[Block]:
         "what it saw": "detail",
     }
     yield Table.of("checks", "", columns, checks)
-    yield from (Paragraph(f"{check.name}: {check.remedy}") for check in checks if check.remedy)
+    yield from (paragraph(f"{check.name}: {check.remedy}") for check in checks if check.remedy)
 
 
 def _guarded(name: str, check: Callable[[], Iterator[Check]]) -> list[Check]:

@@ -32,7 +32,7 @@ from workbench.studs.questions import QUESTIONS, Question
 if TYPE_CHECKING:
     import pandas as pd
 
-    from workbench.report.page.tree import Block
+    from workbench.report.page.markdown import Block
     from workbench.studs.fit_protocol import Tables
 
 app = typer.Typer(
@@ -201,7 +201,7 @@ def _read(
 def _blocks(head: dict[str, Any], tables: Tables, written: dict[str, Path]) -> Iterator[Block]:
     """The answer on a terminal, and the reports that were written."""
     from workbench.report.chapters.studs import of_fit
-    from workbench.report.page.tree import Paragraph
+    from workbench.report.page.markdown import paragraph
 
-    yield from of_fit("shown", head, tables)
-    yield from (Paragraph(f"{words}: {path}") for words, path in written.items())
+    yield of_fit("shown", head, tables)
+    yield from (paragraph(f"{words}: {path}") for words, path in written.items())

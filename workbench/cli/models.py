@@ -12,13 +12,13 @@ import typer
 from workbench.base.errors import InputError
 from workbench.cli.output import Answer, ScenarioFile, Settings, at_work, verb, warnings
 from workbench.report.page.bibliography import cited
-from workbench.report.page.tree import (
+from workbench.report.page.markdown import (
     Block,
-    Bullets,
-    Definitions,
-    Paragraph,
-    Section,
     Table,
+    bullets,
+    definitions,
+    paragraph,
+    section,
 )
 
 if TYPE_CHECKING:
@@ -83,10 +83,10 @@ def _advice(
     from workbench.report.page.formatting import in_unit
     from workbench.study.error_model.error_model import PEAK
 
-    yield Paragraph(f"{scenario}: take {choice.model}, {choice.reason}.")
+    yield paragraph(f"{scenario}: take {choice.model}, {choice.reason}.")
     if best is not None:
         text = f"Peak displacement of {choice.error.anchor}, corrected by the error to expect"
-        yield Paragraph(f"{text}: {in_unit(best, PEAK)}.")
+        yield paragraph(f"{text}: {in_unit(best, PEAK)}.")
     refused = (finding for finding in findings[choice.model] if finding.refusal)
     yield from warnings(finding.as_dict() for finding in refused)
     columns = {
@@ -146,16 +146,16 @@ def _listed(entries: list[dict[str, Any]]) -> Iterator[Block]:
         "what it is": "title",
     }
     yield Table.of("models", "", columns, entries)
-    yield Paragraph("`workbench models NAME` shows assumptions, options and sources of one model.")
+    yield paragraph("`workbench models NAME` shows assumptions, options and sources of one model.")
 
 
 def _described(entry: dict[str, Any]) -> Iterator[Block]:
-    yield Paragraph(f"{entry['name']}, version {entry['version']} ({entry['distribution']})")
-    yield Section("description", "", (Paragraph(entry["description"]),))
-    yield Section("answers", "Answers:", (Bullets(tuple(entry["answers"])),))
-    yield Section("domain", "Assumptions and domain:", (Bullets(tuple(entry["assumptions"])),))
+    yield paragraph(f"{entry['name']}, version {entry['version']} ({entry['distribution']})")
+    yield section("description", "", paragraph(entry["description"]))
+    yield section("answers", "Answers:", bullets(tuple(entry["answers"])))
+    yield section("domain", "Assumptions and domain:", bullets(tuple(entry["assumptions"])))
     meanings = {name: f"{text}; " if text else "" for name, text in entry["meanings"].items()}
     options = tuple((n, f"{meanings[n]}default {value}") for n, value in entry["options"].items())
-    yield Section("options", "Options (--option name=value):", (Definitions(options),))
+    yield section("options", "Options (--option name=value):", definitions(options))
     if entry["sources"]:
-        yield Section("sources", "Sources:", (Bullets(tuple(map(cited, entry["sources"]))),))
+        yield section("sources", "Sources:", bullets(tuple(map(cited, entry["sources"]))))

@@ -16,7 +16,7 @@ import typer
 
 from workbench.base.datafiles import check_library, open_input
 from workbench.base.errors import InputError
-from workbench.report.page.tree import Block, Callout, Paragraph
+from workbench.report.page.markdown import Block, callout, paragraph
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -131,7 +131,7 @@ def verb(function: Callable[..., Answer]) -> Callable[..., int]:
             from workbench.report.page.terminal import show
 
             files = ((what, file) for what, file in answer.files.items() if file)
-            show(*answer.blocks, *(Paragraph(f"The {what} is in {file}.") for what, file in files))
+            show(*answer.blocks, *(paragraph(f"The {what} is in {file}.") for what, file in files))
         return answer.status
 
     if not wants_json:
@@ -178,7 +178,7 @@ def warnings(findings: Iterable[Mapping[str, Any]], source: str = "") -> Iterato
     from workbench.responses import Finding
 
     for finding in map(Finding.from_dict, findings):
-        yield Callout("doubt", f"warning{source} ({finding.subject}): {finding}")
+        yield callout("doubt", f"warning{source} ({finding.subject}): {finding}")
 
 
 @overload

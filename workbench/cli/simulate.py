@@ -24,7 +24,7 @@ from workbench.cli.output import (
     warnings,
     writable,
 )
-from workbench.report.page.tree import Block, Cell, Definitions, Paragraph, Table
+from workbench.report.page.markdown import Block, Cell, Table, definitions, paragraph
 
 if TYPE_CHECKING:
     from workbench.api.answers import Comparison
@@ -119,7 +119,7 @@ def simulate(
             content[name] = {}
             for row in (_plain(row) for row in terms if row["form"] == form):
                 content[name].setdefault(row["quantity"], []).append(row)
-        shown += simulated(terms)
+        shown.append(simulated(terms))
     files = {"response": target, "picture": picture}
     return Answer(content, shown, int(not outcome_of(first).is_answer), files)
 
@@ -195,9 +195,9 @@ def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -
     from workbench.report.page.formatting import in_unit
     from workbench.study.error_model.error_model import PEAK, ExpectedError
 
-    yield Paragraph(f"{name}: {answer['headline']}")
+    yield paragraph(f"{name}: {answer['headline']}")
     if answer["message"]:
-        yield Paragraph(answer["message"])
+        yield paragraph(answer["message"])
     rows, other = [*_lines(answer), ("wall time", time_of(response).text)], answer["reference"]
     if answer["rate_factor"] is not None:
         text = f"{answer['rate_factor']:.3g} times the static one by strain rate, at the hinges"
@@ -206,17 +206,17 @@ def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -
         value, width = other[PEAK], (other["numerical_uncertainty"] or {}).get(PEAK, 0.0)
         known = "" if value is None else f", {in_unit(value, PEAK, width=width, kind=_KIND)}"
         rows.insert(1, (f"by {other['model']}, a reference", f"{other['outcome']}{known}"))
-    yield Definitions(tuple(rows if full else islice(rows, _ROWS)))
+    yield definitions(tuple(rows if full else islice(rows, _ROWS)))
     error = ExpectedError(**answer["error"])
     if error.collapse is not None:
-        yield Paragraph(f"Error of the peak displacement: {error}.")
+        yield paragraph(f"Error of the peak displacement: {error}.")
     elif answer[PEAK] is not None and error.high is None:
-        yield Paragraph(f"No interval of the peak displacement: {error.reason}.")
+        yield paragraph(f"No interval of the peak displacement: {error.reason}.")
     for note in answer["notes"]:
-        yield Paragraph(f"Note: {note}.")
+        yield paragraph(f"Note: {note}.")
     yield from warnings(answer["warnings"])
     if len(rows) > _ROWS and not full:
-        yield Paragraph(f"{len(rows) - _ROWS} more numbers with --full.")
+        yield paragraph(f"{len(rows) - _ROWS} more numbers with --full.")
 
 
 def _lines(answer: dict[str, Any]) -> Iterator[tuple[str, str]]:

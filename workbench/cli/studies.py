@@ -13,7 +13,7 @@ import typer
 from workbench.base.errors import InputError
 from workbench.base.offered import companion
 from workbench.cli.output import Answer, InterruptedByUserError, Json, option, verb, writable
-from workbench.report.page.tree import Block, Bullets, Definitions, Paragraph
+from workbench.report.page.markdown import Block, bullets, definitions, paragraph
 
 if TYPE_CHECKING:
     from workbench.study import Assessment, CellStatus, RunSummary, Study
@@ -91,16 +91,16 @@ def _ran(summary: RunSummary, result: Assessment, again: str) -> Iterator[Block]
     from workbench.study.store import NOT_RUN
     from workbench.study.tables import rows_of
 
-    yield from _answer(summary.study, result)
+    yield _answer(summary.study, result)
     for row in rows_of(result.tables["cells"]):
         if row["outcome"] != NOT_RUN and Outcome(row["outcome"]).is_failure:
-            yield Paragraph(f"{row['case']}/{row['label']}: {row['outcome']}: {row['message']}")
+            yield paragraph(f"{row['case']}/{row['label']}: {row['outcome']}: {row['message']}")
     counts = ", ".join(f"{n} {outcome}" for outcome, n in sorted(summary.outcomes.items()))
-    yield Paragraph(f"Cells: {counts}.")
+    yield paragraph(f"Cells: {counts}.")
     for (label, kind), names in summary.study.unsupported().items():
-        yield Paragraph(f"Not asked: {label} does not answer {kind} ({len(names)} of the cases).")
+        yield paragraph(f"Not asked: {label} does not answer {kind} ({len(names)} of the cases).")
     text = f"The results are in {summary.directory}; `workbench report {again}` shows them."
-    yield Paragraph(text)
+    yield paragraph(text)
 
 
 @verb
@@ -141,7 +141,7 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
             waiting.setdefault(state, []).append(entry.cell.name)
     items = tuple(f"{a} ({len(names)}){b}: {several(names)}" for (a, b), names in waiting.items())
     line = f"{chosen.name}: " + ", ".join(f"{counts[state]} {state}" for state in State)
-    return Answer(content, (Paragraph(line), Bullets(items)))
+    return Answer(content, (paragraph(line), bullets(items)))
 
 
 @verb
@@ -188,9 +188,9 @@ def report(
         "files": {name: str(path) for name, path in files.items()},
         "gates": gate_objects(result),
     }
-    shown = [*in_brief(chosen, stored), Definitions(tuple(content["files"].items()))]
+    shown = [in_brief(chosen, stored), definitions(content["files"].items())]
     if "html" in files and "explorer" not in files:
-        shown.append(Paragraph("No explorer: no answer of this study is a history or a curve."))
+        shown.append(paragraph("No explorer: no answer of this study is a history or a curve."))
     return Answer(content, tuple(shown))
 
 
@@ -211,7 +211,7 @@ def validate(study: StudyName, quick: Quick = False, store: StoreRoot = "reports
         for case in verdict.cases
         if case.verdict != "pass"
     )
-    return Answer(content, (*_answer(chosen, result), Bullets(reasons)), int(result.failed))
+    return Answer(content, (_answer(chosen, result), bullets(reasons)), int(result.failed))
 
 
 def gate_objects(result: Assessment) -> list[dict[str, Any]]:
@@ -225,12 +225,12 @@ def gate_objects(result: Assessment) -> list[dict[str, Any]]:
     ]
 
 
-def _answer(study: Study, result: Assessment) -> Iterator[Block]:
+def _answer(study: Study, result: Assessment) -> Block:
     """The matrix and the verdicts as the report has them."""
     from workbench.report.chapters.answer import in_brief
     from workbench.report.stored import Stored
 
-    yield from in_brief(study, Stored(result.directory, study))
+    return in_brief(study, Stored(result.directory, study))
 
 
 def _chosen(name: str, quick: bool) -> Study:

@@ -29,7 +29,7 @@ from workbench.cli.output import (
     writable,
     write_answers,
 )
-from workbench.report.page.tree import Block, Cell, Paragraph, Table
+from workbench.report.page.markdown import Block, Cell, Table, paragraph
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -104,7 +104,7 @@ def sweep(
     content: dict[str, Any] = {"scenario": given.name, "over": keys, "answers": rows}
     content["notes"] = list(notes)
     answered = int(outcomes.get("ok", 0)) + int(outcomes.get("collapse", 0)) == len(rows)
-    shown = [*map(Paragraph, notes), *_answers(given.name, keys, table, rows)]
+    shown = [*map(paragraph, notes), *_answers(given.name, keys, table, rows)]
     return Answer(content, shown, int(not answered), {"table": target, "picture": picture})
 
 
@@ -155,13 +155,13 @@ def _answers(name: str, keys: list[str], table: pd.DataFrame, rows: list[Any]) -
     from workbench.report.page.formatting import quantities
 
     outcomes = ", ".join(f"{n} {each}" for each, n in table["outcome"].value_counts().items())
-    yield Paragraph(f"{name}: {len(rows)} answers, {outcomes}.")
+    yield paragraph(f"{name}: {len(rows)} answers, {outcomes}.")
     answered = (q for q in ("peak_displacement", "residual_displacement") if q in table)
     named = {name: name for name in ("model", *keys)}
     columns = {**named, **quantities(*answered), "outcome": "outcome"}
     yield Table.of("sweep", "", columns, rows[:_SHOWN])
     if len(rows) > _SHOWN:
-        yield Paragraph(f"{len(rows) - _SHOWN} more rows stand in --out and --json.")
+        yield paragraph(f"{len(rows) - _SHOWN} more rows stand in --out and --json.")
 
 
 @verb
@@ -264,7 +264,7 @@ def _meaning(limit: Limit, ends: tuple[float, ...], unit: str) -> str:
 def _limits(
     name: str, over: str, unit: str, limits: list[Limit], meanings: list[str]
 ) -> Iterator[Block]:
-    yield Paragraph(f"{name}: limit of {over}{unit and f' in {unit}'}")
+    yield paragraph(f"{name}: limit of {over}{unit and f' in {unit}'}")
     columns = {
         "model": lambda row: row[0].model,
         "survives at": lambda row: _value(row[0].survives_at, unit),

@@ -20,10 +20,10 @@ from workbench.report.chapters import (
 )
 from workbench.report.explorer import FILE, explorer
 from workbench.report.gallery import draw_all, save_all, save_png
-from workbench.report.page import tree
-from workbench.report.page.documents import render_html, render_markdown, render_pdf
+from workbench.report.page.documents import Document, render_html, render_markdown, render_pdf
 from workbench.report.page.formatting import count
-from workbench.report.page.tree import Document, Picture, Section
+from workbench.report.page.markdown import Picture, bullets, callout, literal, paragraph, section
+from workbench.report.page.reading import callouts
 from workbench.report.stored import Stored
 from workbench.study.definition import Study, holds_data
 from workbench.study.store import own_directory, write_atomically
@@ -72,7 +72,7 @@ def build_report(
             write_atomically(written["html"], render_html(content).encode())
         if "pdf" in formats:
             written["pdf"] = target / "report.pdf"
-            write_atomically(written["pdf"], render_pdf(content.on_paper()))
+            write_atomically(written["pdf"], render_pdf(replace(content, on_paper=True)))
         if "xlsx" in formats:
             written["xlsx"] = target / "tables.xlsx"
             write_atomically(written["xlsx"], workbook_bytes(stored.tables))
@@ -88,18 +88,18 @@ def build_report(
 
 
 def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]]) -> Document:
-    """The content tree of a study, from stored results and drawn figures with their kinds."""
+    """The page of a study, from stored results and drawn figures with their kinds."""
     apart = {kind: [picture for of, picture in drawn if of == kind] for kind in _ELSEWHERE}
     first = answer.decisive(study, {p.key for _, p in drawn if p.svg})
-    pictures = (
-        Section(f"figure-{p.key}", p.title, (p,))
+    pictures = [
+        section(f"figure-{p.key}", p.title, p, level=2)
         for of, p in drawn
         if of not in apart and p.key != first
-    )
+    ]
     decisive = [p for _, p in drawn if p.key == first]
     chapters = [stud_study.in_short, *(point.load() for point in offered("chapters"))]
-    more = [block for chapter in chapters for block in chapter(study, stored)]
-    parts: list[Section | None] = [
+    more = literal([chapter(study, stored) for chapter in chapters])
+    parts = [
         answer.answer(study, stored, decisive, more),
         choice.error_model(stored),
         choice.ranking(stored),
@@ -109,7 +109,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         limits.missing(study, stored),
         limits.domain(study, stored),
         limits.notes(study),
-        Section("results", "Results", tuple(pictures)),
+        section("results", "Results", *pictures),
         budgets.budget_tables(stored),
         stud_study.design(study, stored),
         results.numbers(study, stored),
@@ -117,7 +117,6 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         results.cost(study, stored, apart["cost"]),
         configuration.configuration(study, stored),
     ]
-    sections = tuple(part for part in parts if part is not None)
     data = sum(map(holds_data, study.models.values()))
     numbers = f", {count(data, 'data set')}" if data else ""
     models = count(len(study.models) - data, "model")
@@ -129,7 +128,8 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         }
         gone = " and ".join(count(number, what) for what, number in lost.items() if number)
         facts.insert(0, f"Quick form: without {gone or 'nothing'} of {study.whole.name}")
-    whole = Document(study.title, "Validation report", tuple(facts), sections)
+    held = {picture.key: picture for _, picture in drawn}
+    whole = Document(study.title, "Validation report", tuple(facts), literal(parts), held)
     return whole.marked(results.MARK) if stored.synthetic else whole
 
 
@@ -142,11 +142,14 @@ def summary(stored: Stored, target: Path) -> Path:
     """
     study = stored.study
     own_directory(target, "figures")
-    parts = limits.collapses(stored), limits.missing(study, stored), limits.domain(study, stored)
-    blocks = tree.walk(tuple(part for part in parts if part is not None))
-    callouts = (block for block in blocks if isinstance(block, tree.Callout))
-    short = (tree.Paragraph(study.question), *answer.in_brief(study, stored), *callouts)
-    sections = [Section("short", "", short)]
+    limited = [
+        limits.collapses(stored),
+        limits.missing(study, stored),
+        limits.domain(study, stored),
+    ]
+    alarms = [callout(tone, text) for tone, text in callouts(literal(limited))]
+    short = paragraph(study.question), answer.in_brief(study, stored), *alarms
+    parts, pictures = [section("short", "", *short)], {}
     drawn = [plate for plate in draw_all(study, stored) if plate.drawing.canvas is not None]
     marked = [plate for plate in drawn if plate.figure.options.get("summary")]
     steady = [plate for plate in drawn if plate.figure.kind not in _VARYING]
@@ -154,17 +157,18 @@ def summary(stored: Stored, target: Path) -> Path:
         name = f"figures/{study.name}-{plate.figure.key}.png"
         assert plate.drawing.canvas is not None
         save_png(plate.drawing.canvas, target / name)
-        picture = replace(plate.picture(), image=name)
-        sections.append(Section(plate.figure.key, plate.figure.title, (picture,)))
+        picture = replace(plate.picture(), image=name, files=())
+        pictures[picture.key] = picture
+        parts.append(section(picture.key, picture.title, picture))
     if study.notes:
-        sections.append(Section("notes", "How to read this", (tree.Bullets(tuple(study.notes)),)))
+        parts.append(section("notes", "How to read this", bullets(study.notes)))
     facts = (
         f"Made by `workbench report {study.name}` from {count(len(stored.cells), 'cell')}; the "
         "full report adds tables, costs, configuration, provenance and sources.",
         *(f"{_made_with(record)}." for record in stored.provenance),
     )
     page = target / "README.md"
-    content = Document(study.title, "", facts, tuple(sections))
+    content = Document(study.title, "", facts, literal(parts), pictures)
     content = content.marked(results.MARK) if stored.synthetic else content
     write_atomically(page, render_markdown(content).encode())
     return page

@@ -13,23 +13,20 @@ import pandas as pd
 
 from workbench.base.errors import InputError
 from workbench.report.chapters.studs import Head, of_fit
-from workbench.report.drawing import influence
 from workbench.report.drawing.sheet import Drawing, drawn
-from workbench.report.figures import plot_of
+from workbench.report.figures import plot_of, stud_tests
 from workbench.report.gallery import Plate, to_csv
-from workbench.report.page.documents import render_html, render_pdf
+from workbench.report.page.documents import Document, render_html, render_pdf
 from workbench.report.page.formatting import brief, count
-from workbench.report.page.tree import (
+from workbench.report.page.markdown import (
     ABSENT,
-    Block,
     Cell,
     Column,
-    Definitions,
-    Document,
-    Paragraph,
     Picture,
-    Section,
     Table,
+    definitions,
+    literal,
+    paragraph,
 )
 from workbench.responses.provenance import provenance
 from workbench.studs.fit_protocol import Tables
@@ -125,20 +122,20 @@ def _document(
         (key, title, _picture(key, title, caption, drawing, folder))
         for key, title, caption, drawing in figures
     ]
-    blocks = of_fit(
+    text = of_fit(
         "report",
         head,
         tables,
         size=_size(head, tables),
         options=", ".join(f"{name} = {', '.join(map(str, v))}" for name, v in options.items()),
         figures=pictures,
-        tests=tuple(_tests(head, tables, pd.concat(rows), folder)),
+        tests=literal(list(_tests(head, tables, pd.concat(rows), folder))),
         software=[(n.replace("_", " "), f"`{record[n]}`") for n in _SOFTWARE if n in record],
     )
-    sections = tuple(each for each in blocks if isinstance(each, Section))
     made = ", ".join(f"{name} {record[name]}" for name in _SOFTWARE[:2] if name in record)
     facts = (_size(head, tables), f"table: {' and '.join(head['tables'])}", made)
-    return Document(_TITLES[head["fit"]], "Evaluation of tests", facts, sections)
+    held = {key: picture for key, _, picture in pictures}
+    return Document(_TITLES[head["fit"]], "Evaluation of tests", facts, text, held)
 
 
 def _picture(key: str, title: str, caption: str, drawing: Drawing, folder: str) -> Picture:
@@ -160,7 +157,7 @@ def _figures(tables: Tables) -> Iterator[Drawn]:
         panel = moved["of"].where(~several, moved["of"] + ", " + moved["answer"])
         panels = {str(name): rows for name, rows in moved.groupby(panel, sort=False)}
         caption = "Change of the answer when one test is left out, all else kept."
-        yield "influence", "Influence of single tests", caption, drawn(influence.plot, panels)
+        yield "influence", "Influence of single tests", caption, drawn(stud_tests.influence, panels)
 
 
 def _of(tables: Tables, name: str) -> Tables:
@@ -188,9 +185,9 @@ def _size(head: Head, tables: Tables) -> str:
 # -- the tests as they stand in the table ---------------------------------------------------------
 
 
-def _tests(head: Head, tables: Tables, rows: pd.DataFrame, folder: str) -> Iterator[Block]:
+def _tests(head: Head, tables: Tables, rows: pd.DataFrame, folder: str) -> Iterator[object]:
     """Tests in words where all rows of the input are the same, then every row with its use."""
-    yield Paragraph(f"All columns of all rows are in `{folder}/tests.csv`.")
+    yield paragraph(f"All columns of all rows are in `{folder}/tests.csv`.")
     if head["fit"] == "load-slip":
         yield _curves(tables)
         return
@@ -200,7 +197,7 @@ def _tests(head: Head, tables: Tables, rows: pd.DataFrame, folder: str) -> Itera
             used = pd.MultiIndex.from_frame(tables[key][_NAMES])
             rows.loc[pd.MultiIndex.from_frame(rows[_NAMES]).isin(used), "use"] = use
     if (rows["use"] == "not used").all():
-        yield Paragraph(f"None of the {len(rows)} rows entered the answer.")
+        yield paragraph(f"None of the {len(rows)} rows entered the answer.")
         return
     if head["fit"] in ("residual", "interaction"):
         alone = rows["predamage"] == NO_PREDAMAGE
@@ -221,7 +218,7 @@ def _tests(head: Head, tables: Tables, rows: pd.DataFrame, folder: str) -> Itera
     same = [name for name in known if len(set(rows[name].astype(str))) == 1]
     if len(set(rows["campaign"])) == 1:
         same.insert(0, "campaign")
-    yield Definitions(tuple((_title(name), _cell(rows[name].iloc[0]).text) for name in same))
+    yield definitions((_title(name), _cell(rows[name].iloc[0]).text) for name in same)
     names = [name for name in reversed(_NAMES) if name not in same]
     varying = [name for name in known if name not in same]
     parts = -(-len(varying) // _MOST_COLUMNS) or 1

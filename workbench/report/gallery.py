@@ -17,7 +17,7 @@ from workbench.report.drawing.layout import frame_scenario_of
 from workbench.report.drawing.sheet import Drawing, Request
 from workbench.report.drawing.style import house_style, looks
 from workbench.report.figures import draw
-from workbench.report.page.tree import Picture
+from workbench.report.page.markdown import Picture
 from workbench.report.stored import Stored
 from workbench.study.definition import Case, Figure, Study
 from workbench.study.store import write_atomically
@@ -57,7 +57,7 @@ class Plate:
     drawing: Drawing
 
     def picture(self) -> Picture:
-        """The figure as it stands in the content tree."""
+        """The figure as it stands on a page."""
         figure, drawing = self.figure, self.drawing
         svg = "" if drawing.canvas is None else to_svg(drawing.canvas, figure.key)
         files = (f"figures/{figure.key}.csv",) if svg else ()

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pages import View, views
 from scipy.stats import beta
 from scipy.stats import t as student
 
@@ -116,7 +117,7 @@ def test_synthetic_rows_judge_nothing_and_are_named_everywhere(
     assert "no model is judged" in front
     matrix = [row for row in Stored(result.directory, study).rows["matrix"] if row["synthetic"]]
     assert {row["label"] for row in matrix} == {"SYNTHETIC rows", "4-DOF", "energy estimate"}
-    show(*in_brief(study, Stored(result.directory, study)))
+    show(in_brief(study, Stored(result.directory, study)))
     output = capsys.readouterr().out
     assert output.startswith("SYNTHETIC rows, no tests: made numbers")
     assert f"{MARK}Error of the peak" in " ".join(output.split())
@@ -183,11 +184,11 @@ def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) 
 
 
 def test_studies_of_impacts_without_tests_carry_the_footnote(empty: Path) -> None:
-    def notes(name: str) -> list[object]:
+    def notes(name: str) -> list[View]:
         study = load_study(ROOT / "studies" / f"{name}.py").study
         stored = Stored(empty, study)
         stored.__dict__["synthetic"] = False
-        return list(footnote(study, stored))
+        return views(footnote(study, stored))
 
     (statements,) = notes("column_sweep")
     assert statements.text.startswith("No tests here: no measured impact on a steel member")

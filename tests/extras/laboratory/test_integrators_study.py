@@ -7,6 +7,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from pages import views
 
 from workbench.base.errors import InputError
 from workbench.extras.laboratory.impact_systems import PROBLEMS as STRUCTURES
@@ -15,7 +16,6 @@ from workbench.extras.laboratory.problems import PROBLEMS as BUILT
 from workbench.extras.laboratory.scenario import PROBLEMS, ImpactProblem
 from workbench.report.build import document
 from workbench.report.gallery import draw_all
-from workbench.report.page.tree import Bullets, Table, walk
 from workbench.report.stored import Stored
 from workbench.responses import outcome_of
 from workbench.scenarios import scenario_from, to_toml
@@ -89,14 +89,14 @@ def test_the_page_says_which_scheme_for_which_problem(stored: Stored) -> None:
     assert {"time", "place"} <= set(drawn["records"].data)
     page = document(stored.study, stored, [])
     section = next(part for part in page.sections if part.key == "answer")
-    table = next(block for block in walk((section,)) if isinstance(block, Table))
-    assert [column.title for column in table.columns] == ["scheme", "two-masses", "grazing"]
+    table = views(section, "table")[0]
+    assert table.titles == ["scheme", "two-masses", "grazing"]
     rows = {row[0].text: row[1:] for row in table.rows}
     assert rows["newmark"][0].tone == "bad"
     assert rows["newmark"][1].tone == "good"
     assert rows["event-driven"][0].text == "≤\u202f240\nexact"
     assert rows["newmark"][0].text.startswith("never\n1.6 times")
-    values = [text for b in walk((section,)) if isinstance(b, Bullets) for text in b.items]
+    values = [text for view in views(section, "bullets") for text in view.items]
     assert any(text.startswith("two-masses: ") for text in values)
     reached = [text for text in values if text.startswith("An error of 1 % is reached on 2 of 2")]
     assert len(reached) == 1

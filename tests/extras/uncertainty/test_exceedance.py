@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from builders import UNCERTAIN
+from pages import views
 
 from workbench.base.errors import InputError
 from workbench.extras.uncertainty.chapter import in_short
@@ -71,7 +72,7 @@ def test_the_page_shows_curve_band_what_governs_and_cost(stored):
     assert set(drawn["label"]) == {CORRECTED, ALONE}
     assert (drawn["low"] <= drawn["median"]).all()
     assert (drawn["median"] <= drawn["high"]).all()
-    governs, table = in_short(stored.study, stored)
+    governs, table = views(in_short(stored.study, stored))
     assert str(governs).index("striker.mass") < str(governs).index("steel.yield_stress")
     assert len(table.rows) == 2
 

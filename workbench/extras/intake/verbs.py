@@ -9,7 +9,7 @@ import typer
 
 from workbench.cli.new import printed
 from workbench.cli.output import DECIMAL, SEP, SHEET, Answer, Json, Names, option, verb
-from workbench.report.page.tree import Block, Bullets, Callout, Definitions, Paragraph
+from workbench.report.page.markdown import Block, bullets, callout, definitions, paragraph
 
 
 @verb
@@ -59,21 +59,21 @@ def _added(added: Any) -> Iterator[Block]:
     entry = added.entry
     if added.already:
         text = "The same rows are in the catalogue already"
-        yield Paragraph(f"{text}, as {entry.name}: {entry.path}")
-        yield Paragraph("Nothing was written.")
+        yield paragraph(f"{text}, as {entry.name}: {entry.path}")
+        yield paragraph("Nothing was written.")
         return
     rows = "SYNTHETIC rows" if entry.role == "synthetic" else "rows"
-    yield Paragraph(f"{added.rows} {rows} of {entry.kind} are in {entry.path} as {entry.name}.")
+    yield paragraph(f"{added.rows} {rows} of {entry.kind} are in {entry.path} as {entry.name}.")
     stated = ("title", "source", "licence", "year", "role")
-    yield Definitions(tuple((name, getattr(entry, name)) for name in stated))
+    yield definitions(tuple((name, getattr(entry, name)) for name in stated))
     if added.notes:
-        yield Bullets(added.notes)
+        yield bullets(added.notes)
     for text in added.doubts:
-        yield Callout("doubt", f"taken despite: {text}")
+        yield callout("doubt", f"taken despite: {text}")
     if added.read:
-        yield Paragraph(f"Next: {added.then}")
+        yield paragraph(f"Next: {added.then}")
     else:
-        yield Callout("note", f"The catalogue reads this folder with WORKBENCH_DATA={entry.folder}")
+        yield callout("note", f"The catalogue reads this folder with WORKBENCH_DATA={entry.folder}")
 
 
 @verb
@@ -111,7 +111,7 @@ def check(
         content = {"datasets": len(datasets()), "problems": problems}
         texts = [*problems, f"{len(datasets())} datasets, {len(problems)} problems."]
         failed = bool(problems)
-    return Answer(content, [Paragraph(text) for text in texts], int(failed))
+    return Answer(content, [paragraph(text) for text in texts], int(failed))
 
 
 @verb

@@ -132,7 +132,7 @@ class StructureSystem(_Struck):
         self.start = np.append(assembly.displacement[self.free], 0.0)
         self._dissipated = 0.0
 
-    def _matrix(self, product) -> Array:  # type: ignore[no-untyped-def]
+    def _matrix(self, product) -> Array:
         units = np.eye(self.assembly.size)[self.free]
         return np.array([product(unit)[self.free] for unit in units]).T
 

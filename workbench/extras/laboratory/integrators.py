@@ -10,8 +10,8 @@ import numpy as np
 
 from workbench.extras.laboratory.scenario import ImpactProblem
 from workbench.report.page.formatting import number
+from workbench.report.page.markdown import ABSENT, Cell, Column, Markdown, Table
 from workbench.report.page.page import Page
-from workbench.report.page.tree import ABSENT, Block, Cell, Column, Table
 from workbench.report.stored import Stored
 from workbench.responses import Response
 from workbench.study.definition import Study
@@ -42,7 +42,7 @@ class _Entry(NamedTuple):
 Entries = dict[str, dict[str, _Entry | None]]  # by scheme and problem
 
 
-def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
+def in_short(study: Study, stored: Stored) -> Markdown:
     """Summary of integrators: the matrix, and what it says; empty without integrators."""
     entries: Entries = {}
     cases = [case for case in study.cases if isinstance(case.scenario, ImpactProblem)]
@@ -55,7 +55,7 @@ def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
             elif cell is not None and cell.outcome == "not-converged":
                 entries.setdefault(label, {})[case.name] = None
     if not any(entry for row in entries.values() for entry in row.values()):
-        return ()
+        return Markdown()
     problems = [case.name for case in cases if any(case.name in row for row in entries.values())]
     columns = (
         Column("scheme", width=2.0, of=lambda item: str(item[0])),

@@ -42,7 +42,7 @@ def _answer(name: str, steps: int) -> Array:
     return given.answer(np.linspace(0.0, given.duration, steps + 1))
 
 
-def _response(given: Problem, places: dict[str, Array], ladder: dict[str, Any], **scalars: Any):  # type: ignore[no-untyped-def]
+def _response(given: Problem, places: dict[str, Array], ladder: dict[str, Any], **scalars: Any):
     """A response with the numbers of a ladder, and records of the last unknown."""
     steps = len(next(iter(places.values()))) - 1
     pick = np.unique(np.linspace(0, steps, min(steps, _POINTS) + 1).round().astype(int))

@@ -22,7 +22,7 @@ from workbench.cli.output import (
     verb,
     writable,
 )
-from workbench.report.page.tree import Paragraph, Table
+from workbench.report.page.markdown import Table, paragraph
 
 if TYPE_CHECKING:
     from workbench.report.drawing.charts import Line
@@ -66,7 +66,7 @@ def ductility(shape: Shape = "triangular", figure: Picture = None) -> Answer:
         "step": steps,
     }
     title = f"ductility under {shape} pulses; T the elastic period, R_m / F strength over force"
-    return Answer(content, (Paragraph(title), Table.of("ductility", "", columns, rows)))
+    return Answer(content, (paragraph(title), Table.of("ductility", "", columns, rows)))
 
 
 @app.command("iso-ductility")
@@ -108,7 +108,7 @@ def iso_ductility(shape: Shape = "triangular", figure: Picture = None) -> Answer
         ],
     }
     title = f"{shape} pulses that take an elastic-plastic mass to one ductility; w = 2 pi / T"
-    return Answer(content, (Paragraph(title), Table.of("iso-ductility", "", columns, rows)))
+    return Answer(content, (paragraph(title), Table.of("iso-ductility", "", columns, rows)))
 
 
 @app.command("pressure-impulse")
@@ -167,7 +167,7 @@ def pressure_impulse(
         "curves": {name: [vars(point) for point in points] for name, points in curves.items()},
     }
     title = f"{given.name}: {given.pulse.shape} pulses that reach {displacement:g} m"
-    blocks = (Paragraph(title), Table.of("pressure-impulse", "", columns, rows))
+    blocks = (paragraph(title), Table.of("pressure-impulse", "", columns, rows))
     silent = any(point.peak is None for _, point in rows)
     return Answer(content, blocks, int(silent))
 

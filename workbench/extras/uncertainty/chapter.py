@@ -6,8 +6,8 @@ from typing import Any
 from workbench.extras.uncertainty.exceedance import MEDIAN, half_widths
 from workbench.extras.uncertainty.scenario import UncertainImpact
 from workbench.report.page.formatting import duration, number
+from workbench.report.page.markdown import Cell, Markdown, Table
 from workbench.report.page.page import Page
-from workbench.report.page.tree import Block, Cell, Table
 from workbench.report.stored import Stored
 from workbench.responses import Response
 from workbench.study.definition import Study
@@ -18,7 +18,7 @@ _LEAST = 0.05  # share of an input that is named
 PAGE = Page(__file__)
 
 
-def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
+def in_short(study: Study, stored: Stored) -> Markdown:
     """Summary of curves: what governs each case, and a row for each; empty without curves."""
     rows: list[tuple[str, str, Response, float | None]] = []
     governs: dict[str, str] = {}
@@ -33,7 +33,7 @@ def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
             rows.append((case.name, label, response, seconds))
             governs.setdefault(case.name, _governing(response))
     if not rows:
-        return ()
+        return Markdown()
     columns: Mapping[str, Any] = {
         "case": lambda row: row[0],
         "model": lambda row: row[1],

@@ -10,8 +10,16 @@ from workbench.report.chapters import choice, configuration, results, verdicts
 from workbench.report.chapters.budgets import budgets
 from workbench.report.chapters.choice import FAIR, Row
 from workbench.report.page.formatting import duration, part, percent, title_of
+from workbench.report.page.markdown import (
+    Cell,
+    Column,
+    Markdown,
+    Picture,
+    Table,
+    before_captions,
+    literal,
+)
 from workbench.report.page.page import Page
-from workbench.report.page.tree import Block, Cell, Column, Picture, Section, Table, marked
 from workbench.report.stored import BEST, CellState, Stored
 from workbench.responses import Finding
 from workbench.study.assessment.budget import PEAK, RESIDUAL
@@ -25,6 +33,7 @@ _WIDE = 4.0  # upper end of an interval over the lower one, from which it says n
 _REASONS = 4  # why models are outside their domain, the most frequent
 _IN_SIGHT = 8  # rows of the matrix
 _SENTENCES = 5
+NOTHING = Markdown()
 _JUDGED = (PEAK, RESIDUAL, "time_of_peak")
 _OTHERS = 6  # quantities besides those of the matrix whose errors stand on the page
 _ENDS = {
@@ -58,15 +67,15 @@ class MatrixRow(NamedTuple):
 
 
 def answer(
-    study: Study, stored: Stored, pictures: Iterable[Picture], more: Iterable[Block] = ()
-) -> Section | None:
+    study: Study, stored: Stored, pictures: Iterable[Picture], more: Markdown = NOTHING
+) -> Markdown:
     """The decisive `pictures`, question, answers, matrix; on demand what these rest on.
 
     `more` is the answer of studies of another kind.
     """
     shown = list(pictures)
-    content = [*matrix(study, stored), *more]
-    return PAGE.section(
+    content = literal([matrix(study, stored), more])
+    return PAGE.blocks(
         "answer",
         title="The answer" if content else "What was asked",
         question=study.question,
@@ -112,11 +121,11 @@ def time_against(stored: Stored) -> str:
     return next((row["against"] for row in stored.rows["cost"]), "")
 
 
-def matrix(study: Study, stored: Stored) -> tuple[Block, ...]:
+def matrix(study: Study, stored: Stored) -> Markdown:
     """Answers by group and the matrix of models; nothing for a study whose cases have no peak."""
     rows = matrix_rows(stored)
     if not rows:
-        return ()
+        return NOTHING
     groups = {row["group"]: row for row in stored.rows["matrix"]}
     timed, anchored = time_against(stored), choice.anchored(stored)
     rows = _first_ones(study, rows, choice.named(study, stored, groups))
@@ -169,11 +178,10 @@ def _commands(study: Study, labels: Collection[str]) -> Iterator[str]:
         yield f"{name} ({', '.join(by_name[name])})"
 
 
-def in_brief(study: Study, stored: Stored) -> tuple[Block, ...]:
+def in_brief(study: Study, stored: Stored) -> Markdown:
     """The matrix and the verdicts, as they stand on a terminal and in the summary."""
-    blocks = (*matrix(study, stored), *verdicts.in_brief(stored))
-    synthetic = results.synthetic(stored)
-    return marked((*synthetic, *blocks), results.MARK) if stored.synthetic else blocks
+    blocks = literal([results.synthetic(stored), matrix(study, stored), verdicts.in_brief(stored)])
+    return before_captions(blocks, results.MARK) if stored.synthetic else blocks
 
 
 def _others(study: Study, stored: Stored, labels: set[str]) -> Iterator[tuple[str, list[str]]]:
@@ -188,7 +196,7 @@ def _others(study: Study, stored: Stored, labels: set[str]) -> Iterator[tuple[st
             yield title_of(quantity), far
 
 
-def _budgeted(study: Study, stored: Stored, groups: Iterable[str]) -> tuple[Block, ...]:
+def _budgeted(study: Study, stored: Stored, groups: Iterable[str]) -> Markdown:
     """The total uncertainty of the answer by the model that is to be taken in its group."""
     every = [case.name for case in study.cases]
     by_case: dict[str, str] = {}

@@ -6,8 +6,8 @@ from math import floor, isfinite
 from typing import Any
 
 from workbench.report.page.formatting import in_unit, percent
+from workbench.report.page.markdown import Cell, Column, Markdown, Table
 from workbench.report.page.page import Page
-from workbench.report.page.tree import Block, Cell, Column, Section, Table
 from workbench.report.stored import Stored
 from workbench.study.assessment.budget import COVERAGE, MODEL_FORM, NUMERICAL, PEAK, SUMS, TOTAL
 
@@ -19,17 +19,17 @@ _LEAST = 0.05  # of the answer, to which bars reach at least
 _COVERAGE = f"{100 * COVERAGE:g} %"
 
 
-def budgets(stored: Stored, taken: Mapping[str, str]) -> tuple[Block, ...]:
+def budgets(stored: Stored, taken: Mapping[str, str]) -> Markdown:
     """A sentence on the peak of the first answer with a budget by the model `taken` in its case."""
     for (case, label, quantity), forms in _groups(stored.rows["budget"], "case", "label").items():
         if quantity == PEAK and taken.get(case) == label:
             parts = [_interval(rows) for rows in forms]
             names = {"case": case, "label": label, "coverage": _COVERAGE}
             return PAGE.blocks("first_page", parts=parts, **names)
-    return ()
+    return Markdown()
 
 
-def budget_tables(stored: Stored) -> Section | None:
+def budget_tables(stored: Stored) -> Markdown:
     """Each budget in a sentence and every term with its reason; None without a budget."""
     tables = [
         (
@@ -43,10 +43,10 @@ def budget_tables(stored: Stored) -> Section | None:
         )
         for each in [enumerate(forms, 1)]
     ]
-    return PAGE.section("budgets", tables=tables)
+    return PAGE.blocks("budgets", tables=tables)
 
 
-def simulated(rows: Iterable[Row]) -> tuple[Block, ...]:
+def simulated(rows: Iterable[Row]) -> Markdown:
     """The budgets of one answer by quantity, with bars."""
     entries = [
         (

@@ -6,8 +6,8 @@ from typing import Any
 
 from workbench.report.chapters.configuration import hit_distance
 from workbench.report.page.formatting import title_of
+from workbench.report.page.markdown import Markdown
 from workbench.report.page.page import Page
-from workbench.report.page.tree import Block, Section
 from workbench.report.stored import Stored
 from workbench.study.assess import ERROR
 from workbench.study.assessment.budget import PEAK, RESIDUAL
@@ -170,11 +170,11 @@ def best_ranked(rows: list[Row], costs: dict[str, float]) -> str:
     return PAGE.words("ranked", best=best, equal=equal, cost=costs.get(best["label"]))
 
 
-def anchored(stored: Stored) -> tuple[Block, ...]:
+def anchored(stored: Stored) -> Markdown:
     """Take the anchor; when not, why: over the drawn scenarios of a study that measures it."""
     cells = stored.rows["error-cells"]
     if not cells:
-        return ()
+        return Markdown()
     anchor, ways = cells[0]["anchor"], {row["way"]: row for row in stored.rows["chooser"]}
     totals = {name: sum(row[name] for row in cells) for name in ("count", "held")}
     return PAGE.blocks(
@@ -186,13 +186,13 @@ def anchored(stored: Stored) -> tuple[Block, ...]:
     )
 
 
-def error_model(stored: Stored) -> Section | None:
+def error_model(stored: Stored) -> Markdown:
     """Section on the error model: coverage of intervals, error and cost of ways to choose."""
-    return PAGE.section(
+    return PAGE.blocks(
         "error_model", coverage=stored.rows["coverage"], chooser=stored.rows["chooser"]
     )
 
 
-def ranking(stored: Stored) -> Section | None:
+def ranking(stored: Stored) -> Markdown:
     """All models of every large group, the best first."""
-    return PAGE.section("ranking", rows=stored.rows["ranking"])
+    return PAGE.blocks("ranking", rows=stored.rows["ranking"])

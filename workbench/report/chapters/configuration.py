@@ -12,8 +12,8 @@ from workbench.models.base import Model, options_of
 from workbench.report.drawing.layout import Layout
 from workbench.report.page.bibliography import cited
 from workbench.report.page.formatting import brief, several
+from workbench.report.page.markdown import Markdown, listing
 from workbench.report.page.page import Page
-from workbench.report.page.tree import Block, Listing, Section
 from workbench.report.stored import Stored
 from workbench.scenarios import ColumnImpact, Frame, FrameImpact, Striker, to_toml
 from workbench.study.definition import Case, Study
@@ -28,7 +28,7 @@ _WIDE = 96  # characters of a line in a listing
 _NUMBERS = re.compile(r"^(\S+ = )\[\n((?:\s+[-+.\deE]+,\n)+)\]", re.MULTILINE)
 
 
-def subject(study: Study) -> tuple[Block, ...]:
+def subject(study: Study) -> Markdown:
     """The columns and frames that are hit, and by what."""
     scenarios = [case.scenario for case in study.cases]
     columns = [each for each in scenarios if isinstance(each, ColumnImpact)]
@@ -37,7 +37,7 @@ def subject(study: Study) -> tuple[Block, ...]:
         if isinstance(impact, FrameImpact):
             forms.setdefault(_form(impact.frame), []).append(impact)
     if not (columns or forms):
-        return ()
+        return Markdown()
     alike = list(forms.values())
     return PAGE.blocks(
         "hit",
@@ -134,7 +134,7 @@ def _values(values: Sequence[float], factor: float, unit: str) -> str:
     return f"{join.join(map(brief, ends))} {unit}".strip()
 
 
-def configuration(study: Study, stored: Stored) -> Section | None:
+def configuration(study: Study, stored: Stored) -> Markdown:
     """Models with options and assumptions, cases as TOML, provenance."""
     first: dict[str, Case] = {}
     for case in study.cases:
@@ -144,7 +144,7 @@ def configuration(study: Study, stored: Stored) -> Section | None:
         [(name.replace("_", " "), f"`{value}`") for name, value in record.items()]
         for record in stored.provenance
     ]
-    return PAGE.section(
+    return PAGE.blocks(
         "configuration",
         models=list(_models(study)),
         one_kind=len(first) == 1,
@@ -154,7 +154,7 @@ def configuration(study: Study, stored: Stored) -> Section | None:
             for case in others
             for kind in [first[case.scenario.KIND]]
         ],
-        listings=[_listing(case, printed=False) for case in others],
+        listings=[_listing(case, on_paper=False) for case in others],
         records=records,
     )
 
@@ -191,8 +191,8 @@ def _option(value: object) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _listing(case: Case, *, printed: bool = True) -> Listing:
-    return Listing(case.name, _compact(to_toml(case.scenario)), printed)
+def _listing(case: Case, *, on_paper: bool = True) -> Markdown:
+    return listing(case.name, _compact(to_toml(case.scenario)), on_paper=on_paper)
 
 
 def _compact(toml: str) -> str:

@@ -8,8 +8,8 @@ from typing import Any
 import pandas as pd
 
 from workbench.report.page.formatting import several, valued
+from workbench.report.page.markdown import Cell, Column, Markdown, Table
 from workbench.report.page.page import Page
-from workbench.report.page.tree import Cell, Column, Section, Table
 from workbench.report.stored import Stored
 from workbench.responses import Outcome
 from workbench.responses.outcome import WARNING
@@ -44,13 +44,13 @@ def _groups(cells_of_kind: pd.DataFrame, *kind: str) -> list[dict[str, Any]]:
     return rows
 
 
-def missing(study: Study, stored: Stored) -> Section | None:
+def missing(study: Study, stored: Stored) -> Markdown:
     """Cells without an answer, grouped by what happened, and what was not asked."""
     cells = pd.DataFrame(map(vars, stored.cells.values()))
     silent = cells[~cells["outcome"].isin([Outcome.OK, Outcome.COLLAPSE])]
     sentences = silent["message"].where(silent["message"] != "", PAGE.words("not_run"))
     refusals = int((silent["outcome"] == Outcome.OUT_OF_DOMAIN).sum())
-    return PAGE.section(
+    return PAGE.blocks(
         "missing",
         cells=len(cells),
         silent=[
@@ -63,13 +63,13 @@ def missing(study: Study, stored: Stored) -> Section | None:
     )
 
 
-def collapses(stored: Stored) -> Section | None:
+def collapses(stored: Stored) -> Markdown:
     """Where structures do not survive: an answer, with its mechanism, time and place."""
     collapsed = [cell for cell in stored.cells.values() if cell.collapse is not None]
-    return PAGE.section("collapses", collapsed=collapsed, cells=len(stored.cells))
+    return PAGE.blocks("collapses", collapsed=collapsed, cells=len(stored.cells))
 
 
-def domain(study: Study, stored: Stored) -> Section | None:
+def domain(study: Study, stored: Stored) -> Markdown:
     """Warnings of the models, and the shear demand of every case."""
     findings = stored.tables["findings"]
     shear: dict[str, dict[str, float]] = {}
@@ -77,7 +77,7 @@ def domain(study: Study, stored: Stored) -> Section | None:
         shear.setdefault(case, {})[label] = value
     over = {name: top for name, values in shear.items() if (top := max(values.values())) > 1.0}
     worst = max(over, key=over.__getitem__, default="")
-    return PAGE.section(
+    return PAGE.blocks(
         "domain",
         over=len(over),
         cases=len(shear),
@@ -107,6 +107,6 @@ def _ratio(label: str, entry: tuple[str, dict[str, float]]) -> Cell:
     return valued(value, 3, "bad" if value is not None and value > 1.0 else "")
 
 
-def notes(study: Study) -> Section | None:
+def notes(study: Study) -> Markdown:
     """Section of notes: reconstructed, inferred or assumed values, in the words of the study."""
-    return PAGE.section("notes", notes=list(study.notes)) if study.notes else None
+    return PAGE.blocks("notes", notes=list(study.notes)) if study.notes else Markdown()

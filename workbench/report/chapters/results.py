@@ -16,8 +16,8 @@ from workbench.report.page.formatting import (
     unit_of,
     valued,
 )
+from workbench.report.page.markdown import ABSENT, Cell, Column, Markdown, Picture, Table
 from workbench.report.page.page import Page
-from workbench.report.page.tree import ABSENT, Block, Cell, Column, Section, Table
 from workbench.report.stored import BEST, Stored
 from workbench.responses import Outcome
 from workbench.responses.uncertainty import sampled_interval
@@ -36,25 +36,29 @@ _MEASURED = (*DATA, "stud-measured")
 _BEAMS = ("fiber-reissner", "fiber-corotational", "fiber-shear")
 
 
-def synthetic(stored: Stored) -> tuple[Block, ...]:
+def synthetic(stored: Stored) -> Markdown:
     """Callout of a study whose numbers are made, not measured."""
-    return PAGE.blocks("synthetic") if stored.synthetic else ()
+    return PAGE.blocks("synthetic") if stored.synthetic else Markdown()
 
 
-def footnote(study: Study, stored: Stored) -> tuple[Block, ...]:
+def footnote(study: Study, stored: Stored) -> Markdown:
     """Remark under a study of impacts without a single test."""
     struck = any(hasattr(case.scenario, "striker") for case in study.cases)
-    return PAGE.blocks("footnote") if struck and (stored.synthetic or not _tests(study)) else ()
+    return (
+        PAGE.blocks("footnote")
+        if struck and (stored.synthetic or not _tests(study))
+        else Markdown()
+    )
 
 
 def _tests(study: Study) -> list[str]:
     return [label for label, model in study.models.items() if model.name == MEASURED]
 
 
-def validation(study: Study, stored: Stored) -> Section | None:
+def validation(study: Study, stored: Stored) -> Markdown:
     """Bias, scatter and coverage over tests, and the sources of the tests; None without tests."""
     rows = stored.rows["validation"]
-    return PAGE.section("validation", rows=rows, sources=_sources(study, stored) if rows else [])
+    return PAGE.blocks("validation", rows=rows, sources=_sources(study, stored) if rows else [])
 
 
 def _sources(study: Study, stored: Stored) -> list[dict[str, Any]]:
@@ -72,10 +76,10 @@ def _sources(study: Study, stored: Stored) -> list[dict[str, Any]]:
     return list(datasets.values())
 
 
-def numbers(study: Study, stored: Stored) -> Section | None:
+def numbers(study: Study, stored: Stored) -> Markdown:
     """Values and deviations of every quantity, curve and history metrics, bias and scatter."""
     tables = {quantity: _values(study, stored, quantity) for quantity in study.quantities}
-    return PAGE.section(
+    return PAGE.blocks(
         "numbers",
         values=[table for table in tables.values() if table is not None],
         shapes=list(_shapes(study, stored)),
@@ -166,11 +170,11 @@ def _metric(metric: str, pair: tuple[Any, dict[str, dict[str, Any]]]) -> Cell:
     return ABSENT if row is None else Cell(_interval(metric, row), row["error"])
 
 
-def convergence(study: Study, stored: Stored, figures: Iterable[Block]) -> Section | None:
+def convergence(study: Study, stored: Stored, figures: Iterable[Picture]) -> Markdown:
     """How well the reference is known: the table of its ladder and the figures that show it."""
     name = study.models[study.reference].name
     rows = [row for row in stored.rows["ladder"] if _has_level(study, stored, row)]
-    return PAGE.section(
+    return PAGE.blocks(
         "convergence",
         reference=study.reference,
         measured=name in _MEASURED,
@@ -208,9 +212,9 @@ def _ladder_columns(study: Study) -> Iterator[Column]:
     yield Column("note", width=2.4, of=lambda row: Cell(row["note"], tone="muted"))
 
 
-def cost(study: Study, stored: Stored, figures: Iterable[Block]) -> Section | None:
+def cost(study: Study, stored: Stored, figures: Iterable[Picture]) -> Markdown:
     """Wall times per model and the figures that set them against errors."""
-    return PAGE.section(
+    return PAGE.blocks(
         "cost",
         times=_times(study, stored),
         figures=list(figures),

@@ -9,7 +9,7 @@ import pandas as pd
 
 from workbench.report.chapters.studs import page, records
 from workbench.report.page.formatting import number
-from workbench.report.page.tree import Block, Section
+from workbench.report.page.markdown import Markdown, section
 from workbench.report.stored import Stored
 from workbench.responses import Finding, findings_of
 from workbench.scenarios import StudTests
@@ -52,7 +52,7 @@ def answers(study: Study, stored: Stored) -> Iterator[Answered]:
                 yield Answered(case.name, label, case.scenario.asked, tables, findings)
 
 
-def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
+def in_short(study: Study, stored: Stored) -> Markdown:
     """Summary of studs: what is not validated, then a sentence on each question; may be empty.
 
     A usual stud by the code, the formula to take, unseen tests, what is left after damage, laws.
@@ -60,11 +60,11 @@ def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
     return _answer("in_short", study, stored)
 
 
-def _answer(part: str, study: Study, stored: Stored) -> tuple[Block, ...]:
+def _answer(part: str, study: Study, stored: Stored) -> Markdown:
     """The answers in short, or `part` in_full: on what they rest and what no test tells."""
     every = list(answers(study, stored))
     if not every:
-        return ()
+        return Markdown()
     tables = stacked(
         (each.label, {key: table.assign(case=each.case) for key, table in each.tables.items()})
         for each in every
@@ -138,7 +138,7 @@ def _same(every: list[Answered]) -> Iterator[tuple[str, str]]:
                 yield each.label, other.label
 
 
-def design(study: Study, stored: Stored) -> Section | None:
+def design(study: Study, stored: Stored) -> Markdown:
     """Tables of D.8, Annex B, campaigns left out, load-slip parameters and what is left."""
     every = list(answers(study, stored))
     formulas = _largest([each for each in every if "d8" in each.tables], "tests")
@@ -152,9 +152,9 @@ def design(study: Study, stored: Stored) -> Section | None:
         *((f"{e.case}, {e.label}", e.tables) for e in residual),
         *((e.label, e.tables) for e in series),
     ]
-    blocks = _answer("in_full", study, stored)
-    blocks += page("design", stacked(named)) if named else ()
-    return Section("design", "Design numbers", blocks) if blocks else None
+    blocks = [_answer("in_full", study, stored)]
+    blocks += [page("design", stacked(named))] if named else []
+    return section("design", "Design numbers", *blocks)
 
 
 def _largest(every: list[Answered], size: str) -> list[Answered]:

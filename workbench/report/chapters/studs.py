@@ -12,8 +12,8 @@ import pandas as pd
 
 from workbench.report.page import formatting
 from workbench.report.page.bibliography import cited
+from workbench.report.page.markdown import Cell, Column, Markdown, Table
 from workbench.report.page.page import Page
-from workbench.report.page.tree import Block, Cell, Column, Table
 from workbench.responses import Finding
 from workbench.studs.fit_protocol import Tables, ranked
 from workbench.studs.formulas import FORMULAS
@@ -35,7 +35,7 @@ def records(table: pd.DataFrame) -> list[Row]:
     return rows
 
 
-def page(part: str, tables: Tables, **values: Any) -> tuple[Block, ...]:
+def page(part: str, tables: Tables, **values: Any) -> Markdown:
     """The blocks that a macro of ``studs.jinja`` makes of tables.
 
     `values`: names that the macros know, besides the rows `t` and what makes blocks of them.
@@ -193,7 +193,7 @@ def _warnings(tables: Tables) -> dict[str, list[str]]:
     return warnings
 
 
-def of_fit(part: str, head: Head, tables: Tables, **values: Any) -> tuple[Block, ...]:
+def of_fit(part: str, head: Head, tables: Tables, **values: Any) -> Markdown:
     """The pages of a fit: ``shown`` on a terminal, the sections of a ``report``."""
     inputs = ("shipped tables" if name == "shipped" else name for name in head["tables"])
     values |= {"sources": " and ".join(inputs), "warnings": _warnings(tables)}

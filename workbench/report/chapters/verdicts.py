@@ -6,8 +6,8 @@ from typing import Any
 
 from workbench.report.page.bibliography import cited
 from workbench.report.page.formatting import interval, metric_title, metric_value, spans
+from workbench.report.page.markdown import Cell, Markdown, literal
 from workbench.report.page.page import Page
-from workbench.report.page.tree import Block, Callout, Cell, Section
 from workbench.report.stored import Stored
 from workbench.study.assessment import Verdict
 
@@ -16,10 +16,10 @@ _PRINTED = 30
 Row = dict[str, Any]
 
 
-def verdicts(stored: Stored) -> Section | None:
+def verdicts(stored: Stored) -> Markdown:
     """How the gates ended, one line each, why they are open and bounded so, and every case."""
     rows, cases = stored.rows["verdicts"], stored.rows["gates"]
-    return PAGE.section(
+    return PAGE.blocks(
         "verdicts",
         headline=headline(rows),
         summary=summary_table(rows),
@@ -29,19 +29,19 @@ def verdicts(stored: Stored) -> Section | None:
     )
 
 
-def in_brief(stored: Stored) -> tuple[Block, ...]:
+def in_brief(stored: Stored) -> Markdown:
     """The verdicts without the reasons for the bounds."""
     rows = stored.rows["verdicts"]
-    return (headline(rows), *summary_table(rows), *reasons(rows, bounds=False))
+    return literal([headline(rows), summary_table(rows), reasons(rows, bounds=False)])
 
 
-def headline(rows: list[Row]) -> Callout:
+def headline(rows: list[Row]) -> Markdown:
     """How the gates ended, and how many cases that were asked have no answer, and why."""
     verdicts = [row["verdict"] for row in rows]
     passed, failed, inconclusive = map(verdicts.count, ("pass", "fail", "inconclusive"))
     apart = [row for row in rows if row["verdict"] == "fail" and row["collapsed"]]
     missing = [row for row in rows if row["refused"] + row["unanswered"]]
-    (callout,) = PAGE.blocks(
+    return PAGE.blocks(
         "headline",
         tone="bad" if failed else "doubt" if inconclusive else "good",
         gates=len(rows),
@@ -51,20 +51,18 @@ def headline(rows: list[Row]) -> Callout:
         apart=_texts(apart, (f"{row['case']} ({_ended(row)})" for row in apart)),
         missing=_texts(missing, (text for row in missing for text in row["reasons"][:1])),
     )
-    assert isinstance(callout, Callout)
-    return callout
 
 
 def _texts(rows: list[Row], texts: Iterable[str]) -> dict[str, Any]:
     return {"gates": len(rows), "texts": list(dict.fromkeys(texts))}
 
 
-def summary_table(rows: list[Row]) -> tuple[Block, ...]:
+def summary_table(rows: list[Row]) -> Markdown:
     """Verdict, critical value and bound of every gate; nothing without one."""
     return PAGE.blocks("summary_table", rows=rows)
 
 
-def reasons(rows: list[Row], *, bounds: bool) -> tuple[Block, ...]:
+def reasons(rows: list[Row], *, bounds: bool) -> Markdown:
     """Reasons against a pass and, with `bounds`, why gates ask that: once for all alike."""
     texts = [(reason, row["number"]) for row in rows for reason in row["reasons"]]
     why = [(f"{row['rationale']} {cited(row['source'])}".strip(), row["number"]) for row in rows]

@@ -57,7 +57,7 @@ from workbench.report.explorer.cells import (
 from workbench.report.figures.curves import PARTS
 from workbench.report.page.documents import STYLE, templates
 from workbench.report.page.formatting import count
-from workbench.report.page.tree import Callout
+from workbench.report.page.reading import callouts
 from workbench.report.stored import CellState, Stored
 from workbench.scenarios import FrameImpact
 from workbench.study.definition import Case, Study
@@ -87,7 +87,7 @@ def explorer(study: Study, stored: Stored, largest: int = LARGEST) -> str | None
     cases = tuple(_cases(study, stored, plane))
     if not any(cell.record for case in cases for cell in case.answers):
         return None
-    made = [block.text for block in results.synthetic(stored) if isinstance(block, Callout)]
+    made = [text for _, text in callouts(results.synthetic(stored))]
     title = f"{results.MARK if made else ''}{study.title}"
     matrix, models, axes = matrix_rows(stored), _models(study), _axes(cases)
     groups, moves, text = tuple(study.groups), plane is HISTORIES, ""

@@ -4,7 +4,7 @@ Of a study, or of the tables of fits by their names. Options: `cases`; the first
 answers counts, tests that its fit had not seen are filled.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from workbench.report.drawing import studs
-from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, nothing
+from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, grid_shape, nothing
 from workbench.report.drawing.style import (
     INK,
     MUTED,
@@ -23,7 +23,7 @@ from workbench.report.drawing.style import (
     entry,
     new_figure,
 )
-from workbench.report.page.formatting import number
+from workbench.report.page.formatting import number, percent
 from workbench.studs.fit_protocol import Tables
 from workbench.studs.model import tables_of
 
@@ -246,3 +246,62 @@ def _push_out(
     panel.set_xlabel("slip (mm)")
     panel.set_xlim(left=0.0)
     panel.set_ylim(bottom=0.0)
+
+
+# -- how every test moves the answer of a fit ----------------------------------------------------
+
+_ROW, _EDGES = 0.17, 0.8  # inches: of a test, and of titles and axes
+_TALLEST = 7.2  # inches: with its caption the figure fits on a page
+_REACH = 0.5  # percent that an axis reaches to either side
+_DOTS: Style = {"linestyle": "none", "marker": "o", "markersize": 4.0}
+_CHANGES = {False: ("as the others expect it", PALETTE[0]), True: ("an outlier", WARNING)}
+
+
+def influence(tables: Mapping[str, pd.DataFrame]) -> Drawing:
+    """How every test moves the answer of a fit: rows of `influence_of` by the titles of panels."""
+    if not tables:
+        return nothing("Too few tests: none can be left out.")
+    changes = pd.concat([rows.assign(panel=title) for title, rows in tables.items()])
+    names = changes["specimen"]
+    if len(set(changes["campaign"])) > 1:
+        names = changes["campaign"].str.cat(names, sep=" ")
+    changes = changes.assign(
+        change=changes["without"].astype(float) / changes["value"] - 1.0, name=names
+    )
+    size = changes["change"].abs().groupby(changes["name"], sort=False).max()
+    rows, columns = grid_shape(len(tables), 2 if len(tables) < 5 else 3)
+    most = int((_TALLEST / rows - _EDGES) / _ROW)
+    shown = list(size.nlargest(most).index) if len(size) > most else list(size.index)
+    height = rows * (_ROW * len(shown) + _EDGES)
+    sheet = Sheet.table(rows, columns, height, count=len(tables), sharey=True)
+    if len(shown) < len(size):
+        sheet.notes.append(f"Shown are the {len(shown)} of {len(size)} tests that move it most.")
+    for panel, title in zip(sheet.panels, tables, strict=True):
+        panel_rows = changes[changes["panel"] == title]
+        _influence_panel(panel, panel_rows[panel_rows["name"].isin(shown)], shown)
+        sheet.name(panel, title, "change without the test (%)", "")
+        worst = panel_rows.loc[
+            panel_rows["change"].abs().fillna(0.0).to_numpy() == panel_rows["change"].abs().max()
+        ]
+        if len(worst):
+            test, change = worst.iloc[0]["name"], percent(float(worst.iloc[0]["change"]))
+            sheet.notes.append(f"{title}: {test} moves it most, by {change} when it is left out.")
+    for far in sorted(set(changes["outlier"].astype(bool))):
+        words, color = _CHANGES[far]
+        sheet.legend(entry(words, color=color, **_DOTS))
+    sheet.record(changes.drop(columns=["name", "change"]))
+    return sheet.finish("change of the answer when a test is left out")
+
+
+def _influence_panel(panel: Axes, rows: pd.DataFrame, shown: Sequence[str]) -> None:
+    places = rows["name"].map({name: place for place, name in enumerate(shown)}).to_numpy(float)
+    change = 100.0 * rows["change"].to_numpy(float)
+    panel.hlines(places, 0.0, change, color=MUTED, linewidth=0.7)
+    for far, (_, color) in _CHANGES.items():
+        which = rows["outlier"].to_numpy(bool) == far
+        panel.plot(change[which], places[which], color=color, **_DOTS)
+    panel.axvline(0.0, color=INK, linewidth=0.8)
+    panel.set_yticks(range(len(shown)), shown, fontsize=6.5)
+    panel.set_ylim(len(shown) - 0.4, -0.6)
+    reach = 1.15 * max(float(np.nanmax(np.abs(change), initial=0.0)), _REACH)
+    panel.set_xlim(-reach, reach)

@@ -1,5 +1,6 @@
-"""What is said, apart from how it looks: the content tree and its four renderers.
+"""Pages: what is said, as Markdown, and its printers.
 
-`tree` holds the blocks, `formatting` turns numbers into text, `bibliography` the works that texts
-cite. `terminal`, `markdown`, `html` and `typst` render a tree; each imports its library only then.
+`markdown` writes blocks, `page` fills the templates of chapters, `reading` parses; `terminal` and
+`documents` (HTML, PDF, Markdown of git hosts) print. `formatting` turns numbers into text,
+`bibliography` holds the works that texts cite. Each imports its library only then.
 """

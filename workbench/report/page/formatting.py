@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from workbench.report.page.tree import ABSENT, Cell
+from workbench.report.page.markdown import ABSENT, Cell
 from workbench.responses.variables import COORDINATES, VARIABLES
 from workbench.study.assessment import METRICS, Scope
 

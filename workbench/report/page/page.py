@@ -1,14 +1,10 @@
-"""Pages: Jinja templates that hold the words of a chapter, read as blocks of the content tree.
+"""Pages: Markdown templates that hold the words of a chapter.
 
 The template ``limits.jinja`` stands beside ``limits.py``; each of its macros is a part of a page or
-a sentence. A part is written as it is read: paragraphs between empty lines, ``- `` before the items
-of a list, ``! tone: `` before what must not be overlooked, ``# key: Title`` before a section and
-``##`` before one inside it, ``#-`` before one that opens on demand. Blocks that are made elsewhere
-stand where they are named in double braces; `caption` gives a table its words. Values are never
-read as structure.
+a sentence, in Markdown as `page.markdown` describes it. Blocks that are made elsewhere
+stand where they are named in double braces; `caption` gives a table its words.
 """
 
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
@@ -20,23 +16,17 @@ from jinja2.runtime import Context
 
 from workbench.report.page import formatting
 from workbench.report.page.bibliography import cited
-from workbench.report.page.tree import (
-    Block,
-    Bullets,
-    Callout,
+from workbench.report.page.markdown import (
     Cell,
     Column,
-    Definitions,
-    Paragraph,
-    Section,
+    Markdown,
     Table,
+    definitions,
+    line,
+    literal,
+    printed,
 )
 
-_MARK = re.compile(
-    r"(?P<hashes>#+)(?P<fold>-?) (?P<key>\S+): ?(?P<title>.*)"
-    r"|- (?P<item>.*)|! (?P<tone>\S+): (?P<callout>.*)"
-)
-_VALUE = re.compile("\x02(\\d+)\x03")  # the place of a value in a list
 _FILTERS = (
     *("axis_label", "brief", "count", "duration", "in_unit", "number", "part", "percent"),
     *("rounded", "several", "share", "span_cell", "spans", "up", "valued"),
@@ -51,42 +41,39 @@ class Page:
 
     def words(self, part: str, **values: Any) -> str:
         """The text of one of its macros."""
-        text, placed = self._filled(part, values)
-        return _resolved(text, placed)
+        return printed(line(self._macro(part, values)))
 
-    def blocks(self, part: str, **values: Any) -> tuple[Block, ...]:
-        """The blocks of one of its macros; sections without content are left out."""
-        return _read(*self._filled(part, values))
+    def blocks(self, part: str, **values: Any) -> Markdown:
+        """Markdown of one of its macros, whose lines may be indented."""
+        lines = [each.strip(" ") for each in self._macro(part, values).split("\n")]
+        return Markdown("\n".join(["", *lines, "", ""])) if any(lines) else Markdown()
 
-    def section(self, part: str, **values: Any) -> Section | None:
-        """The section that one of its macros is; None where it has no content."""
-        blocks = self.blocks(part, **values)
-        if not blocks:
-            return None
-        (section,) = blocks
-        assert isinstance(section, Section)
-        return section
-
-    def _filled(self, part: str, values: dict[str, Any]) -> tuple[str, list[Any]]:
-        placed: list[Any] = []
-        module = _template(self._file).make_module({**self._names, "placed": placed})
-        return str(getattr(module, part)(**values)), placed
+    def _macro(self, part: str, values: dict[str, Any]) -> Markdown:
+        text: Markdown = getattr(_template(self._file).make_module(self._names), part)(**values)
+        return text
 
 
 @cache
 def _template(file: Path) -> Template:
     environment = Environment(
         loader=FileSystemLoader(file.parent),
+        autoescape=True,  # so that what macros give is known to be Markdown
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
-        finalize=_placed,
+        finalize=_filled,
     )
     environment.filters |= {name: getattr(formatting, name) for name in _FILTERS}
     environment.filters |= {"title": formatting.title_of, "cited": cited, "cell": Cell}
-    environment.globals |= {"caption": _captioned, "definitions": _definitions, "table": _table}
+    environment.globals |= {"caption": _captioned, "definitions": definitions, "table": _table}
     environment.globals |= {"text": _text, "number": _number}
     return environment.get_template(file.name)
+
+
+def _filled(value: Any) -> Markdown:
+    """Markdown of a value in braces; sentences of macros without the ends of their lines."""
+    text = literal(value)
+    return text if "\n\n" in text else Markdown(text.strip("\n"))
 
 
 @pass_context
@@ -107,125 +94,17 @@ def _number(
     return replace(_text(context, title, of, width), numeric=True)
 
 
-@pass_context
 def _table(
-    context: Context,
     key: str,
     rows: Sequence[Any],
     columns: Sequence[Column],
     limit: int | None = None,
-    caller: Callable[[], str] | None = None,
-) -> str:
+    caller: Callable[[], str] = str,
+) -> Markdown:
     """A table of rows, the text of a call block its caption; nothing without a row."""
-    if not rows:
-        return ""
-    placed = context["placed"]
-
-    def resolved(column: Column) -> Column:
-        return replace(column, of=lambda row: _in_place(column.cell(row), placed))
-
-    words = "" if caller is None else _resolved(caller(), placed)
-    return _placed(context, Table.of(key, words, map(resolved, columns), rows, limit))
+    return literal(Table.of(key, caller(), columns, rows, limit) if rows else None)
 
 
-def _in_place(cell: Cell, placed: list[Any]) -> Cell:
-    """A cell with the values of the macro that wrote it."""
-    return replace(cell, text=_resolved(cell.text, placed)) if "\x02" in cell.text else cell
-
-
-@pass_context
-def _placed(context: Context, value: Any) -> str:
-    """Keep a value out of the text until its structure is read."""
-    placed: list[Any] = context["placed"]
-    placed.append(value)
-    return f"\x02{len(placed) - 1}\x03"
-
-
-@pass_context
-def _captioned(context: Context, table: Table | None, caller: Callable[[], str]) -> str:
+def _captioned(table: Table | None, caller: Callable[[], str]) -> Markdown:
     """A table with the words of a call block as its caption."""
-    if table is None:
-        return ""
-    words = _resolved(caller(), context["placed"])
-    return _placed(context, replace(table, caption=words))
-
-
-def _definitions(pairs: Any) -> Definitions | None:
-    return Definitions(tuple(pairs)) if pairs else None
-
-
-def _resolved(text: str, placed: list[Any]) -> str:
-    """A text on one line with its values in place."""
-
-    def value(match: re.Match[str]) -> str:
-        kept = placed[int(match[1])]
-        if isinstance(kept, str) and "\x02" in kept:  # what another macro gave
-            return _resolved(kept, placed)
-        return "" if kept is None else str(kept)
-
-    return _VALUE.sub(value, re.sub(r"\s*\n\s*", " ", text.strip(" \n")))
-
-
-def _read(text: str, placed: list[Any]) -> tuple[Block, ...]:
-    """Blocks of a text, whose values are `placed` in it."""
-    whole: list[Block] = []
-    within: list[tuple[int, Section, list[Block]]] = []  # open sections: depth, head, blocks
-
-    def close(depth: int) -> None:
-        while within and within[-1][0] >= depth:
-            _, head, blocks = within.pop()
-            if blocks:
-                section = replace(head, blocks=tuple(blocks))
-                (within[-1][2] if within else whole).append(section)
-
-    for lines in _pieces(text, placed):
-        target = within[-1][2] if within else whole
-        mark, kept = _MARK.fullmatch(lines), _block_at(lines, placed)
-        if mark and mark["hashes"]:
-            close(len(mark["hashes"]))
-            key, title = (_resolved(mark[name], placed) for name in ("key", "title"))
-            head = Section(key, title, (), folded=bool(mark["fold"]))
-            within.append((len(mark["hashes"]), head, []))
-        elif mark and mark["tone"]:
-            tone, callout = (_resolved(mark[name], placed) for name in ("tone", "callout"))
-            target.append(Callout(tone, callout))
-        elif mark:
-            item = _resolved(mark["item"], placed)
-            if target and isinstance(target[-1], Bullets):
-                target[-1] = Bullets((*target[-1].items, item))
-            else:
-                target.append(Bullets((item,)))
-        elif kept is not None:
-            blocks = kept if isinstance(kept, tuple | list) else (kept,)
-            target += (_worded(block, placed) for block in blocks)
-        elif paragraph := _resolved(lines, placed):
-            target.append(Paragraph(paragraph))
-    close(0)
-    return tuple(whole)
-
-
-def _worded(block: Any, placed: list[Any]) -> Any:
-    """A block whose caption another macro wrote, with the values of that."""
-    if not isinstance(block, Table) or "\x02" not in block.caption:
-        return block
-    return replace(block, caption=_resolved(block.caption, placed))
-
-
-def _block_at(line: str, placed: list[Any]) -> Any:
-    """The block or blocks that a line stands for; None if it holds words."""
-    alone = _VALUE.fullmatch(line)
-    kept = placed[int(alone[1])] if alone else None
-    return None if isinstance(kept, str | int | float) else kept
-
-
-def _pieces(text: str, placed: list[Any]) -> list[str]:
-    """Pieces between empty lines; what begins with a mark, or is a block, begins one."""
-    pieces: list[str] = [""]
-    for line in map(str.strip, text.splitlines()):
-        if not line or _MARK.fullmatch(line):
-            pieces.append(line)
-        elif _block_at(line, placed) is not None:
-            pieces += [line, ""]
-        else:
-            pieces[-1] = f"{pieces[-1]} {line}".strip()
-    return [piece for piece in pieces if piece]
+    return literal(table and replace(table, caption=caller()))

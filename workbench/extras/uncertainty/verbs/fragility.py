@@ -24,7 +24,7 @@ from workbench.cli.output import (
     verb,
     writable,
 )
-from workbench.report.page.tree import Block, Cell, Paragraph, Table
+from workbench.report.page.markdown import Block, Cell, Table, paragraph
 
 if TYPE_CHECKING:
     from workbench.extras.uncertainty.fragility import Fragility
@@ -171,7 +171,7 @@ def verify(
     text = f"{agree} of {len(checked)} runs agree within 0.05 %; {rest} from the inputs and seeds: "
     text += "the certificate holds." if holds else "the certificate does not hold."
     rows = [each._asdict() for each in checked]
-    blocks = (Paragraph(text), Table.of("verified", "", columns, checked))
+    blocks = (paragraph(text), Table.of("verified", "", columns, checked))
     content = {"holds": holds, "references": rows, "differs": differs}
     return Answer(content, blocks, int(not holds))
 
@@ -252,7 +252,7 @@ def _blocks(result: Fragility) -> Iterator[Block]:
     limit = setup.limit
     exceeded = f"exceeds {limit}" if isfinite(limit.displacement) else "collapses"
     band = f"{low:.4g} to {high:.4g} m/s" if isfinite(low) and isfinite(high) else "open"
-    yield Paragraph(
+    yield paragraph(
         f"{setup.uncertain.base.name}: {exceeded} with probability 0.5 at "
         f"{middle:.4g} m/s (90 %: {band}); {setup.reduced.name} in {setup.samples} samples, "
         f"corrected by {len(result.ratios)} runs of {setup.reference.name}, "
@@ -272,16 +272,16 @@ def _blocks(result: Fragility) -> Iterator[Block]:
     yield _costs(result)
     if result.numerical is None:
         text = "The numerical error of the reference is not known: the band does not contain it."
-        yield Paragraph(text)
+        yield paragraph(text)
     if result.turning:
         share = f"In {result.turning} of {CHECKED} samples"
         text = "the peak falls below the limit again above the critical velocity"
-        yield Paragraph(f"{share} {text}: the curve counts the first passage.")
+        yield paragraph(f"{share} {text}: the curve counts the first passage.")
     if result.failed:
-        yield Paragraph(f"{result.failed} references have no answer: the band is widened for them.")
+        yield paragraph(f"{result.failed} references have no answer: the band is widened for them.")
     if not result.reaches_target:
         text = "The band is wider than was asked; the largest part above says what to refine."
-        yield Paragraph(text)
+        yield paragraph(text)
 
 
 def _by_value(key: str, results: Mapping[str, Fragility]) -> Iterator[Block]:
@@ -301,7 +301,7 @@ def _by_value(key: str, results: Mapping[str, Fragility]) -> Iterator[Block]:
         rows.append(row)
     setup = next(iter(results.values())).setup
     head = f"{setup.uncertain.base.name}: limit {setup.limit}, {setup.samples} samples, by {key}."
-    yield Paragraph(f"{head} All values have the same samples of the other inputs.")
+    yield paragraph(f"{head} All values have the same samples of the other inputs.")
     yield Table.of(
         "given", "Velocity at a probability, 90 %.", {name: name for name in rows[0]}, rows
     )

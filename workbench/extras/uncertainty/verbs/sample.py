@@ -28,7 +28,7 @@ from workbench.cli.output import (
     write_answers,
 )
 from workbench.extras.uncertainty.verbs.fragility import pair_of, struck
-from workbench.report.page.tree import Block, Cell, Paragraph, Table
+from workbench.report.page.markdown import Block, Cell, Table, paragraph
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -151,7 +151,7 @@ def _tabled(chunks: list[Chunk], target: Path | None) -> Answer:
     columns = {each: each for each in ("answers", *_quantiles(table[OUTCOME][:0]))}
     titled = {"quantity": lambda row: title_of(row["quantity"]), **columns}
     blocks = (
-        Paragraph(f"{name}, {len(table)} samples by {model}: {texts}."),
+        paragraph(f"{name}, {len(table)} samples by {model}: {texts}."),
         Table.of("quantiles", "Quantiles of what was answered, in SI.", titled, rows),
     )
     answered = outcomes.get("ok", 0) + outcomes.get("collapse", 0) == len(table)
@@ -305,7 +305,7 @@ def rare(
     if result.silent > 0.0:
         left_out += f" Samples without an answer add {100.0 * result.silent:.2g} % at most."
     table = Table.of("design", caption, columns, rows)
-    return Answer(content, (Paragraph(text), Paragraph(left_out), table), int(result.cov > cov))
+    return Answer(content, (paragraph(text), paragraph(left_out), table), int(result.cov > cov))
 
 
 def _number(value: Any) -> Cell | str:
@@ -335,7 +335,7 @@ def _shown(
     uncertain: UncertainScenario, model: str, quantity: str, share: float, rows: list[Any]
 ) -> Iterator[Block]:
     text = f"{quantity.replace('_', ' ')} by {model}"
-    yield Paragraph(f"{uncertain.base.name}: {text}; {100.0 * share:.1f} % have no such answer.")
+    yield paragraph(f"{uncertain.base.name}: {text}; {100.0 * share:.1f} % have no such answer.")
 
     columns = {"input": "input", "first": "first", "total": "total"}
     if "first_missing" in rows[0]:

@@ -28,7 +28,7 @@ from waitress.server import TcpWSGIServer
 
 from workbench.base.errors import InputError, message_of
 from workbench.cli.output import Answer, Options, ScenarioFile, Settings, option, pairs_of, verb
-from workbench.report.page.tree import Paragraph
+from workbench.report.page.markdown import paragraph
 
 PATIENCE = 10.0  # s that a client may take for a request, or be silent before one
 _LIMITS = {  # bytes of a request and of its head; connections; s
@@ -262,4 +262,4 @@ def serve(
     server.run()
     server.close()
     text = f"{server.count} evaluations of {name}."
-    return Answer({"model": name, "evaluations": server.count}, [Paragraph(text)])
+    return Answer({"model": name, "evaluations": server.count}, [paragraph(text)])
