@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from workbench.base.fields import Instance, Many, path_of
+from workbench.base.offered import offered
 from workbench.cli import run
 from workbench.extras.intake.impact_tests.rows import IMPACTS
 from workbench.responses.variables import COORDINATES, VARIABLES
@@ -60,7 +61,8 @@ def inputs() -> str:
     """Page of the keys of scenario files."""
     places: dict[str, dict[Row, list[str]]] = {}
     tables: dict[str, list[str]] = {}
-    for name, kind in KINDS.items():
+    companions = {point.name: point.load() for point in offered("scenarios")}
+    for name, kind in (KINDS | companions).items():
         for place, row in _keys(kind):
             head = place if place.startswith("[") else f"[{place}]" if place else "top"
             places.setdefault(head, {}).setdefault(row, []).append(name)

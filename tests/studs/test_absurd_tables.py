@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from workbench.cli import run
-from workbench.extras.intake import check_file
+from workbench.extras.intake.kinds import check_file
 from workbench.studs import POINTS, TESTS, fit_load_slip, fit_residual, fit_strength, shipped
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.reading import from_frame

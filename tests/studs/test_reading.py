@@ -13,7 +13,7 @@ import pytest
 
 from workbench.base.datafiles import LARGEST_FILE
 from workbench.base.errors import InputError
-from workbench.extras.intake import check_file
+from workbench.extras.intake.kinds import check_file
 from workbench.scenarios import load_scenario
 from workbench.studs import POINTS, TESTS, examine, read_tests
 from workbench.studs.reading import from_frame, read_text

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from workbench.cli import run
-from workbench.extras.intake import check_file
+from workbench.extras.intake.kinds import check_file
 from workbench.studs import TESTS, evaluate_d8, examine, fit_strength
 from workbench.studs.quantities import specimens
 from workbench.studs.reading import from_frame

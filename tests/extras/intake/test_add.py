@@ -16,7 +16,8 @@ import workbench
 from workbench.base.catalogue import check, dataset, datasets, load
 from workbench.base.errors import InputError
 from workbench.cli import run
-from workbench.extras.intake import add_table, check_file, problems_of_own
+from workbench.extras.intake.add import add_table
+from workbench.extras.intake.kinds import check_file, problems_of_own
 from workbench.responses import Outcome, outcome_of
 from workbench.studs.answers import StudStrength
 from workbench.study import Case, Study

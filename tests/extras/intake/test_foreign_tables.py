@@ -11,7 +11,8 @@ from workbench.base.catalogue import check, dataset, load
 from workbench.base.errors import InputError
 from workbench.base.tables import Reading
 from workbench.cli import run
-from workbench.extras.intake import add_table, problems_of_own
+from workbench.extras.intake.add import add_table
+from workbench.extras.intake.kinds import problems_of_own
 from workbench.studs.tables import shipped
 
 PROVENANCE = """\

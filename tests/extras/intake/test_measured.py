@@ -11,7 +11,7 @@ import pytest
 
 from workbench.base.catalogue import dataset
 from workbench.base.errors import InputError
-from workbench.extras.intake import add_table
+from workbench.extras.intake.add import add_table
 from workbench.extras.intake.impact_tests import impact_tests
 from workbench.extras.intake.impact_tests.measured import Measured
 from workbench.responses import Outcome, collapse_of, findings_of, outcome_of

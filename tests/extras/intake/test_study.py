@@ -15,7 +15,7 @@ from scipy.stats import beta
 from scipy.stats import t as student
 
 from workbench.base.catalogue import dataset
-from workbench.extras.intake import add_table
+from workbench.extras.intake.add import add_table
 from workbench.report.build import build_report, document, summary
 from workbench.report.chapters.answer import in_brief
 from workbench.report.chapters.results import footnote

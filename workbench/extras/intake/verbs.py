@@ -38,7 +38,7 @@ def add(
     taken. Templates: `workbench new impact-tests`, `workbench new mapping`.
     """
     from workbench.base.tables import Reading
-    from workbench.extras.intake import add_table
+    from workbench.extras.intake.add import add_table
 
     added = add_table(
         Path(table),
@@ -90,7 +90,7 @@ def check(
     from workbench.base.catalogue import check as problems_of
     from workbench.base.catalogue import datasets
     from workbench.base.tables import Reading
-    from workbench.extras.intake import check_file, problems_of_own
+    from workbench.extras.intake.kinds import check_file, problems_of_own
     from workbench.studs.tables import check_tables
 
     if files:
