@@ -4,9 +4,8 @@ import sys
 
 from workbench.cli import main
 from workbench.extras.laboratory.models import ImpactExact, ImpactIntegrator, problem_of
-from workbench.extras.laboratory.scenario import ImpactProblem
+from workbench.extras.laboratory.scenario import PROBLEMS, ImpactProblem
 from workbench.extras.laboratory.schemes import CLASSICAL, ELASTIC, LAW, SCHEMES
-from workbench.scenarios.stud_tests import PROBLEMS
 from workbench.study import Case, Figure, Study
 from workbench.study.assessment import Gate
 

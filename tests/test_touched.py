@@ -15,7 +15,7 @@ import workbench
 from workbench.models.registry import make_model
 from workbench.scenarios import load_scenario
 from workbench.study import Case, Figure, Study, run_study
-from workbench.study.assess import assess
+from workbench.study.assessor import assess
 
 ROOT = str(Path(workbench.__file__).parent)
 SCENARIO = load_scenario(Path(ROOT).parent / "data/published/heng2017_impact_column.toml")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-HIDDEN = '''
+HIDDEN = """
 import importlib, importlib.metadata as metadata, pkgutil, sys
 
 class Hidden:
@@ -21,14 +21,14 @@ every = metadata.entry_points
 metadata.entry_points = lambda **group: every() if not group else metadata.EntryPoints(
     point for point in every(**group) if not point.value.startswith("workbench.extras")
 )
-'''
-ALL_MODULES = '''
+"""
+ALL_MODULES = """
 import workbench
 for module in pkgutil.walk_packages(workbench.__path__, "workbench."):
     if not module.name.startswith("workbench.extras") and "._" not in module.name:
         importlib.import_module(module.name)
-'''
-ANSWERS = '''
+"""
+ANSWERS = """
 import workbench as wb
 from pathlib import Path
 from workbench.report.build import build_report
@@ -44,14 +44,14 @@ study = Study("small", "Small", "How far?", (Case("hit", impact),), models, "fou
 run_study(study, Path(), jobs=1)
 result = assess(study, Path())
 assert build_report(Stored(result.directory, study, result.responses), ["html"])["html"].is_file()
-'''
-VERBS = '''
+"""
+VERBS = """
 from workbench.cli import run
 assert run(["new", "column"]) == 0
 assert run(["models"]) == 0
 assert run(["data", "list"]) == 0
 assert run(["fragility", "scenario.toml"]) == 2
-'''
+"""
 
 
 @pytest.mark.parametrize("code", [ALL_MODULES, ANSWERS, VERBS], ids=["modules", "answers", "verbs"])

@@ -18,8 +18,8 @@ from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Scenario, Striker
 from workbench.steel.sections import find
 from workbench.study import Case, Figure, Study, run_study
-from workbench.study.assess import assess
 from workbench.study.assessment import Gate
+from workbench.study.assessor import assess
 
 HINGES = ("base", "hit point", "head")
 

@@ -13,7 +13,7 @@ from builders import MOST_WORDS, words_in_sight
 
 from workbench.cli import run
 from workbench.report.drawing.style import looks
-from workbench.report.figures import KINDS
+from workbench.report.figures import KINDS, check_kind
 from workbench.responses.uncertainty import uncertainty_of
 from workbench.study import cells_of, load_study
 
@@ -29,7 +29,7 @@ def test_studies_load_and_their_quick_form_is_smaller(path: Path) -> None:
     assert 0 < len(list(quick.cells())) < len(list(study.cells()))
     assert bool(quick.gates) == bool(study.gates)  # a study that ranks judges nothing
     for figure in (*study.figures, *quick.figures):
-        assert figure.kind in KINDS
+        check_kind(figure.kind)
         named = {*figure.options.get("cases", ()), figure.options.get("case", "")} - {""}
         assert named <= {case.name for case in study.cases}
 

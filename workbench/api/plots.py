@@ -26,7 +26,7 @@ from workbench.report.stored import Stored
 from workbench.responses import Outcome, Response, findings_of, outcome_of
 from workbench.scenarios import Scenario
 from workbench.study import Case, Figure, Study
-from workbench.study.assess import numbers_of
+from workbench.study.assessor import numbers_of
 
 _CASE = "scenario"
 

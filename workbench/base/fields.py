@@ -339,7 +339,8 @@ def _checks(kind: type[Declared]) -> list[tuple[dataclasses.Field[Any], Rule, bo
 @cache
 def _compared(kind: type[Declared]) -> Callable[[Any], Any]:
     """The values of an object of a class that take part in comparisons."""
-    return attrgetter(*(field.name for field in dataclasses.fields(kind) if field.compare))
+    names = [field.name for field in dataclasses.fields(kind) if field.compare]
+    return attrgetter(*names) if names else lambda _: ()
 
 
 def did_you_mean(word: object, known: Iterable[str], otherwise: str = "") -> str:

@@ -64,7 +64,6 @@ def strength(asked: StrengthQuestion, fitted: Rows, held: Rows) -> Tables:
     Raises `InputError`.
     """
     specified = USUAL_SPECIFIED if asked.specified is None else asked.specified
-    TESTS.column("fu_MPa").rule.check("--specified-fu", specified)
     points = None if asked.points is None else examine(asked.points, POINTS).accept()
     variations = _variations(asked.variation or ())
     formulas = [strength_formula(name) for name in asked.model or SHEAR_MODELS]
@@ -158,7 +157,7 @@ def shipped_model() -> Any:
 
 
 def residual(asked: ResidualQuestion, fitted: Rows, held: Rows) -> Tables:
-    """What is left of strength, stiffness or both; without tests one answer for every stud.
+    """Residual strength, stiffness or both; without tests one answer for every stud.
 
     Campaigns that are to validate judge it, whether they tell or not. Raises `InputError`.
     """

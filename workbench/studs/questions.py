@@ -26,8 +26,8 @@ _BETWEEN: Any = {
 }
 
 
-def _size(words: str, path: str = "") -> Any:
-    return checked(_SIZE, optional=True, path=path, help=words)
+def _size(words: str) -> Any:
+    return checked(_SIZE, optional=True, help=words)
 
 
 @dataclass(frozen=True)
@@ -87,9 +87,11 @@ class StrengthQuestion(Question):
     points: str | None = checked(
         Text(1000), optional=True, help="Load-slip curves, for slip capacities."
     )
-    specified: float | None = _size(
-        "Specified stud strength, MPa.  [default: 450 in Annex B, as tested in D.8]",
-        "--specified-fu",
+    specified: float | None = checked(
+        Number(200.0, 1500.0, "MPa"),
+        optional=True,
+        path="--specified-fu",
+        help="Specified stud strength, MPa.  [default: 450 in Annex B, as tested in D.8]",
     )
 
     name: ClassVar[str] = "stud-strength"

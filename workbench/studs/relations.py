@@ -297,7 +297,7 @@ _TESTS = ["campaign", "specimen", "level", "ratio", "origin", *REFERENCE]
 
 @dataclass(frozen=True)
 class ResidualFit(Fit):
-    """What is left of `quantity` after a kind of `predamage` with levels of one `measure`.
+    """Residual `quantity` after a kind of `predamage` with levels of one `measure`.
 
     `stud`, which one it is for; `relation`, that of most weight; `fitted`, its parameters and the
     scatters of the ratio (None without tests: a prediction); `scores` of all candidates;
@@ -381,7 +381,7 @@ class ResidualFit(Fit):
         return None if ends is None else (ends[0], ends[1])
 
     def design_rows(self, share: float = 0.9) -> pd.DataFrame:
-        """What a designer takes at usual levels in the tested range and at its end; may be empty.
+        """Values for a designer at usual levels in the tested range and at its end; may be empty.
 
         Columns: `level`, `median` with its confidence bounds `low`, `high`, and what 5 % and 0.1 %
         of new tests (`foretold`) lie below, `characteristic` and `design`. NaN where the tests
@@ -423,7 +423,7 @@ class ResidualFit(Fit):
         }
 
     def tables(self, confidence: float = 0.9) -> Tables:
-        """What is left over the damage, for design; parameters, weights, tests, the prediction."""
+        """Residual quantity over the damage, design, parameters, weights, tests, the prediction."""
         levels = np.arange(0.0, max(self.levels[1], 1.0) + 0.5 * STEP, STEP)
         low, high = self.band(levels, confidence) or (np.nan, np.nan)
         curve = {"level": levels, "left": self.left(levels), "low": low, "high": high}

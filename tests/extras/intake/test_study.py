@@ -23,7 +23,7 @@ from workbench.report.page.documents import render_markdown
 from workbench.report.page.terminal import show
 from workbench.report.stored import Stored
 from workbench.study import Study, load_study, run_study
-from workbench.study.assess import Assessment, assess
+from workbench.study.assessor import Assessment, assess
 from workbench.study.tables import rows_of
 
 ROOT = Path(__file__).resolve().parents[3]

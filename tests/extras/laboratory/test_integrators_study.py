@@ -20,7 +20,7 @@ from workbench.report.stored import Stored
 from workbench.responses import outcome_of
 from workbench.scenarios import scenario_from, to_toml
 from workbench.study import Case, Figure, Study, run_study
-from workbench.study.assess import assess
+from workbench.study.assessor import assess
 
 LABELS = ("event-driven", "midpoint", "newmark")
 

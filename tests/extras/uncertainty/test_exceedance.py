@@ -14,7 +14,7 @@ from workbench.report.stored import Stored
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import load_scenario, to_toml
 from workbench.study import Case, Figure, Study, run_study
-from workbench.study.assess import assess
+from workbench.study.assessor import assess
 
 TEXT = f"""{UNCERTAIN}mass = {{ lognormal = {{ mean = 1500.0, cov = 0.1 }} }}
 velocity = 10.0

@@ -9,8 +9,8 @@ from workbench.report.page.formatting import title_of
 from workbench.report.page.markdown import Markdown
 from workbench.report.page.page import Page
 from workbench.report.stored import Stored
-from workbench.study.assess import ERROR
 from workbench.study.assessment.budget import PEAK, RESIDUAL
+from workbench.study.assessor import ERROR
 from workbench.study.chooser import CORRECTED, SURE
 from workbench.study.definition import Study
 from workbench.study.error_model.descriptors import command_of

@@ -21,8 +21,8 @@ from workbench.report.page.page import Page
 from workbench.report.stored import BEST, Stored
 from workbench.responses import Outcome
 from workbench.responses.uncertainty import sampled_interval
-from workbench.study.assess import width_of
 from workbench.study.assessment import METRICS, Scope
+from workbench.study.assessor import width_of
 from workbench.study.definition import DATA, Study, holds_data
 from workbench.study.tables import rows_of
 from workbench.study.validation import MEASURED

@@ -41,7 +41,7 @@ _BOW = 0.002  # of the size of the structure: a member that bends less is sent b
 
 
 class Plane(NamedTuple):
-    """What the curves of a page show: titles, units and factors of their axes, and the numbers.
+    """Axes of the curves of a page: titles, units and factors of their axes, and the numbers.
 
     The first of the `numbers` (of quantities, with titles) is drawn over all cases; it and the
     second have an error. The cursor begins at the quantity `begin`. `band`: what a band is of.

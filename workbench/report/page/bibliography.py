@@ -25,12 +25,12 @@ class Reference(NamedTuple):
 
     @property
     def who(self) -> str:
-        """What stands before the title in a list of references."""
+        """Text before the title in a list of references."""
         return f"{self.authors} ({self.year}): " if self.authors else ""
 
     @property
     def place(self) -> str:
-        """What stands behind the title in a list of references."""
+        """Text behind the title in a list of references."""
         where = f". {self.where}" if self.where else ""
         return f"{where}." + (f" doi:{self.doi}" if self.doi else "")
 

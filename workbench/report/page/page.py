@@ -90,7 +90,7 @@ def _text(context: Context, title: str, of: str | Callable[..., Any], width: flo
 def _number(
     context: Context, title: str, of: str | Callable[..., Any], width: float = 1.0
 ) -> Column:
-    """The same of numbers."""
+    """Plain form of numbers."""
     return replace(_text(context, title, of, width), numeric=True)
 
 

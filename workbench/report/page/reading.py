@@ -55,7 +55,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Quote:
-    """What stands apart: the words it begins with, and further nodes."""
+    """Quote that stands apart: the words it begins with, and further nodes."""
 
     kind: str  # table, figure, definitions or the tone of a callout
     words: Words

@@ -97,7 +97,7 @@ def freedom_of(estimate: Estimate, name: str) -> float:
     x = jacobian(given, estimate.theta, free)
 
     def variance(s2: float, t2: float) -> float:
-        """That of the parameter for other variances, at the same parameters."""
+        """Interval of the parameter for other variances, at the same parameters."""
         j = whiten(given, x, t2 / s2)
         return float(s2 * np.linalg.pinv(j.T @ j)[k, k])
 

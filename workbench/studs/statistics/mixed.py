@@ -31,7 +31,7 @@ NEW, OWN = "new campaigns", "this laboratory alone"
 
 @dataclass(frozen=True)
 class Problem:
-    """What is fitted: `y` (n,), campaigns (n,), the prediction f(theta) -> (n,), and bounds.
+    """Problem to fit: `y` (n,), campaigns (n,), the prediction f(theta) -> (n,), and bounds.
 
     `names` of the parameters, `start`, `lower`, `upper` (p,); `weights` (n,); `design` (n, p) for
     a linear prediction (then `predict` is design @ theta); `tangent` (n, p), slopes of any other
@@ -199,7 +199,7 @@ def _linear(matrix: Array) -> Prediction:
 
 
 def subset(given: Problem, rows: Indices) -> Problem:
-    """The same problem on some `rows`; a prediction without design matrix is evaluated and cut."""
+    """Problem on some `rows`; a prediction without design matrix is evaluated and cut."""
     labels, groups = np.unique(given.groups[rows], return_inverse=True)
     design = None if given.design is None else given.design[rows]
     whole = given.predict
