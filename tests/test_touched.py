@@ -62,7 +62,8 @@ def test_an_answer_with_advice_touches_few_functions(name: str) -> None:
 # what an answer on the command line has no use for
 IDLE = (
     *("matplotlib", "scipy.stats", "scipy.interpolate", "scipy.io", "skfem", "typst", "openpyxl"),
-    *("workbench.study", "workbench.studs", "workbench.report", "workbench.extras.uncertainty"),
+    *("workbench.study.definition", "workbench.studs", "workbench.extras.uncertainty"),
+    *("workbench.report.build", "workbench.report.drawing"),
     *(
         "workbench.models.references",
         "workbench.extras.intake.impact_tests",

@@ -398,7 +398,7 @@ def test_models(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["models", "four-dof"]) == 0
     text = capsys.readouterr().out
     assert entries["four-dof"]["assumptions"][0][:60] in " ".join(text.split())
-    assert "default midpoint" in text
+    assert "default thesis" in text
     assert run(["models"]) == 0
     assert "four-dof" in capsys.readouterr().out
 

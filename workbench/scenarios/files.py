@@ -120,7 +120,8 @@ def scenario_from(tables: Mapping[str, Any], made: Made | None = None) -> Scenar
     Parts that are `made`, see `codec.values_beside`, are not made again.
     """
     kind = tables.get("kind")
-    known = KINDS.get(str(kind)) or _kind_of_a_companion(kind)
+    own = KINDS.get(kind) if isinstance(kind, str) else None
+    known = own or _kind_of_a_companion(kind)
     inputs = {key: table for key, table in tables.items() if key != "kind"}
     scenario: Scenario = read(known, {"name": kind, **inputs}, made)
     return scenario

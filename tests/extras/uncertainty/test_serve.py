@@ -228,7 +228,7 @@ def test_the_verb_serves_until_it_is_interrupted(file):
 
 
 def test_an_interrupt_ends_a_long_request_too(file):
-    slow = "import time; from workbench.cli import serve; "
+    slow = "import time; from workbench.extras.uncertainty.verbs import serve; "
     slow += "serve.Service.evaluate = lambda *_: time.sleep(100.0); " + MAIN
     process, port = started(slow, file)
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=300)
