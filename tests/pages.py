@@ -5,21 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from workbench.report.page.markdown import Cell
 from workbench.report.page.reading import Printer, Quote, Runs, Section, read, walk
 
 _BACK = {"code": "`{}`", "cite": "[@{}]", "see": "[#{}]"}
-
-
-@dataclass(frozen=True)
-class Cell:
-    """A cell of a table."""
-
-    text: str
-    sort: float | None = None
-    tone: str = ""
-    hatched: bool = False
-    more: str = ""
-    brief: str = ""
 
 
 @dataclass(frozen=True)

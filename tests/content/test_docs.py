@@ -44,6 +44,15 @@ def test_the_plug_in_of_the_guide_runs(tmp_path: Path, capsys: pytest.CaptureFix
     assert "rigid-plastic" in capsys.readouterr().out
 
 
+def test_files_that_pages_name_are_there() -> None:
+    root, named = DOCS.parent, re.compile(r"`((?:\w+/)+\w+\.py)`")
+    pages = (root / "README.md", *DOCS.rglob("*.md"))
+    paths = {path for page in pages for path in named.findall(page.read_text(encoding="utf-8"))}
+    assert len(paths) > 20
+    gone = [p for p in paths if not (root / p).is_file() and not (root / "workbench" / p).is_file()]
+    assert {p for p in gone if "NAME" not in p} == {"studies/mine.py"}  # of the reader
+
+
 def test_what_a_column_gives_is_there() -> None:
     page = (DOCS / "reference.md").read_text(encoding="utf-8")
     column = Column("HEB 220", 0.8, 3.2)

@@ -13,7 +13,6 @@ from workbench.base.arrays import Array
 from workbench.base.errors import WorkbenchError
 from workbench.responses.outcome import Finding, finding
 
-NO_RESIDUAL = "no-residual"  # that it ends before the slow vibration has a mean
 SETTLED = 1.5  # periods that a residual displacement takes
 NO_PEAK = "no-peak"  # subject of the finding that the record ends before the peak
 _ROUNDED = 1e-4  # of the energy stored before an impact
