@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
 from threadpoolctl import threadpool_limits
 from toy_models import Spring
 
@@ -30,6 +31,9 @@ settings.register_profile(
 )
 settings.register_profile("long", settings.get_profile("repeatable"), max_examples=100)
 settings.load_profile("repeatable")
+# Nor because of what other tests have loaded: the library else draws numbers that stand in the
+# modules of this package, so that an example depended on which of them were imported before it.
+providers.is_local_module_file = lambda _path: False
 
 
 # shares of about the same time: all that tests compile for seconds, so that no worker has to; the

@@ -25,7 +25,7 @@ from workbench.mechanics.structures.elements import StepEnergies
 from workbench.mechanics.structures.equilibrium import Solution, newton, pieces
 from workbench.scenarios import ColumnImpact, FrameImpact, Striker
 
-TOLERANCE = 1e-8  # of the residual over the largest force
+TOLERANCE = 1e-9  # of the residual over the largest force
 MOST_CUTS = 12  # how often a step may be halved when Newton's method fails
 MOST_STEPS = 2_000_000  # of a record: more take a day
 ITERATIONS = 25
