@@ -19,8 +19,8 @@ from time import perf_counter, process_time
 import numpy as np
 
 from workbench.base.datafiles import data_directory
+from workbench.models.base import make_model
 from workbench.models.batch import simulate_many
-from workbench.models.registry import make_model
 from workbench.models.superelements import RigidSuperelement
 from workbench.scenarios import FrameImpact, load_scenario, to_toml
 from workbench.scenarios.varied import Varied

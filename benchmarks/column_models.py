@@ -21,7 +21,7 @@ import opensees
 from workbench.base.datafiles import data_directory
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.models.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_beams import FiberCorotational
 from workbench.models.single_dof import SingleDof
 from workbench.models.strain_rate import with_rate
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement

@@ -21,7 +21,7 @@ from column_models import cheapest
 from opensees import peak_of
 
 from workbench.base.datafiles import data_directory
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberReissner
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import Response
 from workbench.scenarios import FrameImpact, load_scenario

@@ -19,8 +19,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from batches import ONE_BAR, drawn, frames
 
+from workbench.models.base import make_model
 from workbench.models.batch import simulate_many
-from workbench.models.registry import make_model
 from workbench.models.superelements import RigidSuperelement
 from workbench.scenarios.varied import Varied
 

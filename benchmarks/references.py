@@ -19,8 +19,12 @@ from threadpoolctl import threadpool_limits
 from workbench.mechanics.structures.assembly import PlanarAssembly, graded_lengths
 from workbench.mechanics.structures.explicit import explicit_impact
 from workbench.mechanics.structures.fibers import BeamSection
-from workbench.mechanics.structures.fibers.beams import FiberBeams, ReissnerBeams, radau_rule
-from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.fibers.section import (
+    FiberBeams,
+    LinearHardening,
+    ReissnerBeams,
+    radau_rule,
+)
 from workbench.mechanics.structures.impact import PointMass, impact
 
 E, FY, SIDE, LAYERS, MASS, HARDENING = 210e9, 355e6, 0.2, 20, 314.0, 1e-6

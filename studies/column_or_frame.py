@@ -10,7 +10,7 @@ from itertools import product
 
 from workbench.cli import main
 from workbench.models.column_of_frame import ColumnOfFrame
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberReissner
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.scenarios import Frame, FrameImpact, FrameStriker, Load, Node, regular_frame
 from workbench.steel.sections import find, square

@@ -13,7 +13,7 @@ import numpy as np
 
 from workbench.cli import main
 from workbench.models.hinged_frames import PlasticHinge
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberReissner
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.scenarios import Frame, FramePulse, FrameStatic, Load, Member, Node, Pulse
 from workbench.steel.sections import find

@@ -12,8 +12,7 @@ from workbench.cli import main
 from workbench.models.domain import shear_demand
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.models.references.fiber_reissner import FiberReissner
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberReissner, FiberShear
 from workbench.models.single_dof import SingleDof
 from workbench.scenarios import Column, ColumnImpact, Striker
 from workbench.steel.sections import find, square

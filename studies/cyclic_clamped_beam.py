@@ -9,7 +9,7 @@ Amplitudes reach a tenth of the span: at a fortieth axial forces stay too small 
 import sys
 
 from workbench.cli import main
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberReissner
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.scenarios import Frame, FrameStatic, Load, Member, Node, cyclic_path
 from workbench.steel.sections import find

@@ -12,8 +12,7 @@ from dataclasses import replace
 from workbench.cli import main
 from workbench.models.base import Model
 from workbench.models.fiber_frames import ForceBasedBeam
-from workbench.models.references.fiber_corotational import FiberCorotational
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberCorotational, FiberReissner
 from workbench.scenarios import (
     Frame,
     FrameImpact,

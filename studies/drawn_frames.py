@@ -22,7 +22,7 @@ from workbench.mechanics.frames.column_estimate import column_like
 from workbench.mechanics.frames.elastic import dead_load_state
 from workbench.models.column_of_frame import ColumnOfFrame
 from workbench.models.domain import shear_demand
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberShear
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.scenarios import Frame, FrameImpact, FrameStriker, Load, regular_frame
 from workbench.steel.materials import Steel

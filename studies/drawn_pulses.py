@@ -17,8 +17,7 @@ from workbench.cli import main
 from workbench.extras.practice.biggs import Biggs
 from workbench.extras.practice.catenary import Izzuddin, TrilinearCatenary, YinWang
 from workbench.extras.practice.charts import pressure_impulse
-from workbench.models.references.fiber_reissner import FiberReissner
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberReissner, FiberShear
 from workbench.models.single_dof import SingleDof
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.scenarios import Column, MemberPulse, Pulse

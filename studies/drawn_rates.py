@@ -17,7 +17,7 @@ import numpy as np
 from which_model import stratified
 
 from workbench.cli import main
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberShear
 from workbench.models.strain_rate import rate_factor, with_rate
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.scenarios import ColumnImpact

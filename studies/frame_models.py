@@ -22,9 +22,7 @@ from workbench.models.hinged_frames import (
     QuasiPlasticHinge,
     RefinedPlasticHinge,
 )
-from workbench.models.references.fiber_corotational import FiberCorotational
-from workbench.models.references.fiber_reissner import FiberReissner
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberCorotational, FiberReissner, FiberShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.scenarios import (
     Frame,

@@ -13,8 +13,7 @@ from workbench.extras.intake.impact_tests import impact_tests
 from workbench.extras.intake.impact_tests.measured import Measured
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.models.references.fiber_reissner import FiberReissner
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberReissner, FiberShear
 from workbench.models.single_dof import SingleDof
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.study import Case, Figure, Study

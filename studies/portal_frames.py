@@ -7,7 +7,7 @@ beam of 8 m and dead loads on both column heads.
 import sys
 
 from workbench.cli import main
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberReissner
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.scenarios import Frame, FrameStatic, Joint, Load, Member, Node
 from workbench.steel.materials import Steel

@@ -25,15 +25,14 @@ from workbench.models.base import Answering
 from workbench.models.domain import euler_load, shear_demand
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.models.references.fiber_reissner import FiberReissner
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberReissner, FiberShear
 from workbench.models.references.solid import SolidPlaneStress
 from workbench.models.single_dof import SingleDof
 from workbench.models.strain_rate import stronger
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact, Striker
-from workbench.steel.hinges.rate import overstress_shape, rotation_rate
+from workbench.steel.hinges.panel_elements import overstress_shape, rotation_rate
 from workbench.steel.materials import GRADES, MILD_STEEL, CowperSymonds, Steel
 from workbench.steel.sections import find
 from workbench.study import Case, Figure, Study

@@ -10,9 +10,7 @@ from workbench.base.datafiles import data_directory
 from workbench.cli import main
 from workbench.models.four_dof import FourDof
 from workbench.models.published import Published
-from workbench.models.references.fiber_corotational import FiberCorotational
-from workbench.models.references.fiber_reissner import FiberReissner
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberCorotational, FiberReissner, FiberShear
 from workbench.models.references.solid import SolidPlaneStress
 from workbench.scenarios import ColumnPushover, load_scenario
 from workbench.study import Case, Figure, Study

@@ -8,8 +8,7 @@ import sys
 
 from workbench.cli import main
 from workbench.models.four_dof import FourDofShear
-from workbench.models.references.fiber_reissner import FiberReissner
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberReissner, FiberShear
 from workbench.models.references.solid import SolidPlaneStress
 from workbench.scenarios import Column, ColumnPushover
 from workbench.steel.sections import Section, find, square

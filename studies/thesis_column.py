@@ -14,9 +14,7 @@ from workbench.cli import main
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.published import Published
-from workbench.models.references.fiber_corotational import FiberCorotational
-from workbench.models.references.fiber_reissner import FiberReissner
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberCorotational, FiberReissner, FiberShear
 from workbench.models.references.solid import SolidPlaneStress
 from workbench.models.single_dof import SingleDof
 from workbench.models.strain_rate import with_rate

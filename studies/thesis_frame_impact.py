@@ -11,7 +11,7 @@ from dataclasses import replace
 from workbench.base.datafiles import data_directory
 from workbench.cli import main
 from workbench.models.published import Published
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberReissner
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.scenarios import load_scenario
 from workbench.study import Case, Figure, Study

@@ -23,8 +23,7 @@ from workbench.extras.practice.hard_impact import HardImpact
 from workbench.models.domain import euler_load, shear_demand
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.models.references.fiber_reissner import FiberReissner
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberReissner, FiberShear
 from workbench.models.references.solid import SolidPlaneStress
 from workbench.models.single_dof import SingleDof
 from workbench.models.strain_rate import with_rate
@@ -34,8 +33,8 @@ from workbench.steel.materials import Steel
 from workbench.steel.sections import find, rectangular_tube, square
 from workbench.study import Case, Figure, Study
 from workbench.study.assessment.variations import rate_law
-from workbench.study.error_model.descriptors import DEMAND as SHEAR
-from workbench.study.error_model.descriptors import STRIKER, features
+from workbench.study.error_model.error_table import DEMAND as SHEAR
+from workbench.study.error_model.error_table import STRIKER, features
 
 FAMILIES = {
     "IPE": ("IPE 200", "IPE 270", "IPE 330", "IPE 400", "IPE 500"),

@@ -17,7 +17,7 @@ from workbench.mechanics.frames import structure
 from workbench.mechanics.frames.structure import FrameStructure
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.explicit import explicit_impact
-from workbench.mechanics.structures.time_steps import PointMass
+from workbench.mechanics.structures.impact import PointMass
 from workbench.models.base import Model
 from workbench.models.frame_model import as_frame
 from workbench.models.references.fiber import FiberReference

@@ -6,7 +6,7 @@ import sys
 from dataclasses import fields, replace
 
 from workbench.base.datafiles import data_directory
-from workbench.models.registry import make_model, model_kind
+from workbench.models.base import make_model, model_kind
 from workbench.scenarios import ColumnPushover, frame_scenario, load_scenario
 
 hit = load_scenario(data_directory() / "published" / "heng2017_impact_column.toml")

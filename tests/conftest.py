@@ -18,7 +18,7 @@ from workbench.models import frame_model
 from workbench.scenarios import Column, ColumnImpact, Striker, load_scenario
 from workbench.steel.sections import find
 from workbench.study import Case, Study
-from workbench.study.executors import THREAD_VARIABLES
+from workbench.study.runner import THREAD_VARIABLES
 
 # The same examples in every run, and no clock: a change fails because of the change, not because
 # of the day or of what else the machine has to do (`too_slow` is a clock as well).

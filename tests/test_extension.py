@@ -138,7 +138,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 from workbench.cli import run
-from workbench.models.registry import make_model
+from workbench.models.base import make_model
 from workbench.report.build import build_report
 from workbench.report.stored import Stored
 from workbench.scenarios import load_scenario

@@ -10,9 +10,8 @@ import pytest
 from workbench.extras.intake.impact_tests import impact_tests
 from workbench.extras.laboratory.scenario import ImpactProblem
 from workbench.extras.laboratory.schemes import SCHEMES
-from workbench.models.base import Model
+from workbench.models.base import Model, make_model, model_kind, model_names
 from workbench.models.published import Published
-from workbench.models.registry import make_model, model_kind, model_names
 from workbench.report.page.bibliography import bibliography
 from workbench.scenarios import ColumnPushover, MemberPulse, Pulse, StudTests, frame_scenario
 from workbench.testing import check_model

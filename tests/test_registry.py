@@ -7,7 +7,7 @@ import pytest
 
 from workbench.base import offered
 from workbench.base.errors import InputError
-from workbench.models import registry
+from workbench.models import base
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def plugins(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 
 def test_our_own_models_are_registered() -> None:
-    names = registry.model_names()
+    names = base.model_names()
     assert names == sorted(names)
     assert {"four-dof", "single-dof", "energy-estimate", "fiber-corotational", "published"} <= set(
         names
@@ -40,7 +40,7 @@ def test_our_own_models_are_registered() -> None:
 
 @pytest.mark.usefixtures("plugins")
 def test_broken_plugins_are_reported_not_fatal() -> None:
-    problems = {offer.name: offer.problem for offer in registry.offers()}
+    problems = {offer.name: offer.problem for offer in base.offers()}
     assert problems.pop("four-dof") == ""
     assert {name: text.partition(":")[0] for name, text in problems.items()} == {
         "missing-module": "ModuleNotFoundError on import",
@@ -55,25 +55,25 @@ def test_broken_plugins_are_reported_not_fatal() -> None:
     assert "calls itself 'four-dof'" in problems["other-name"]
     for name in problems:
         with pytest.raises(InputError, match="cannot be used"):
-            registry.make_model(name)
+            base.make_model(name)
 
 
 @pytest.mark.usefixtures("plugins")
 def test_listing_names_imports_nothing() -> None:
-    assert "missing-module" in registry.model_names()
+    assert "missing-module" in base.model_names()
 
 
 def test_an_unknown_name_gets_the_nearest_and_where_all_are() -> None:
     with pytest.raises(InputError, match=r"is not known.*did you mean single-dof\?"):
-        registry.make_model("singel-dof")
+        base.make_model("singel-dof")
     with pytest.raises(InputError, match=r"installed again\); `workbench models` lists all"):
-        registry.make_model("xyzzy")
+        base.make_model("xyzzy")
 
 
 def test_options_are_checked_by_name_and_value() -> None:
-    model = registry.make_model("four-dof", {"alpha": 1, "beta": 1.3})
-    assert model == registry.model_kind("four-dof")(alpha=1.0, beta=1.3)
+    model = base.make_model("four-dof", {"alpha": 1, "beta": 1.3})
+    assert model == base.model_kind("four-dof")(alpha=1.0, beta=1.3)
     with pytest.raises(InputError, match="did you mean beta"):
-        registry.make_model("four-dof", {"betta": 1.3})
+        base.make_model("four-dof", {"betta": 1.3})
     with pytest.raises(InputError, match="beta"):
-        registry.make_model("four-dof", {"beta": 0.9})
+        base.make_model("four-dof", {"beta": 0.9})

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import workbench
-from workbench.models.registry import make_model
+from workbench.models.base import make_model
 from workbench.scenarios import load_scenario
 from workbench.study import Case, Figure, Study, run_study
 from workbench.study.assessor import assess

@@ -9,10 +9,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from workbench.api.answers import *  # noqa: F403
-    from workbench.api.sweeps import *  # noqa: F403
+    from workbench.api.answers import *  # noqa: F403  # noqa: F403
     from workbench.base.errors import *  # noqa: F403
-    from workbench.models.registry import *  # noqa: F403
+    from workbench.models.base import *  # noqa: F403
     from workbench.scenarios import *  # noqa: F403
     from workbench.steel.materials import *  # noqa: F403
     from workbench.study import *  # noqa: F403

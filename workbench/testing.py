@@ -17,7 +17,7 @@ from workbench.base.codec import Input
 from workbench.base.errors import InputError, WorkbenchError
 from workbench.models.base import Model, options_of, with_options
 from workbench.responses import Finding, Outcome, Response, check_response, findings_of, outcome_of
-from workbench.responses.variables import ENERGIES, TIMES
+from workbench.responses.histories import ENERGIES, TIMES
 from workbench.scenarios import Scenario, scenario_hash
 from workbench.scenarios.varied import NO_VALUES, with_other_inputs
 

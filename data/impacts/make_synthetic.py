@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.extras.intake.impact_tests import scenario_of
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberShear
 
 SEED = 20261122
 SCATTER = {"peak": 0.03, "residual": 0.05}  # standard deviations of the logarithms

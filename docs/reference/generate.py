@@ -17,7 +17,7 @@ from workbench.base.fields import Instance, Many, path_of
 from workbench.base.offered import offered
 from workbench.cli import run
 from workbench.extras.intake.impact_tests.rows import IMPACTS
-from workbench.responses.variables import COORDINATES, VARIABLES
+from workbench.responses.histories import COORDINATES, VARIABLES
 from workbench.scenarios.files import KINDS
 from workbench.studs.schema import POINTS, TESTS, Table
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from workbench.base.errors import InputError
 from workbench.responses import Response, build_response
 from workbench.study.assessment import METRICS, Metric, Scope, Swap
-from workbench.study.assessment.curves import absolute_area, product_integral
+from workbench.study.assessment.metric import absolute_area, product_integral
 
 QUANTITY = {Scope.SCALAR: "peak_displacement", Scope.HISTORY: "velocity", Scope.CURVE: "force"}
 COMPARING = {name: metric for name, metric in METRICS.items() if metric.scope is not Scope.RUN}

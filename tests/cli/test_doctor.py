@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from workbench.cli import run
-from workbench.models.registry import make_model
+from workbench.models.base import make_model
 from workbench.responses import Response
 from workbench.scenarios import Scenario
 
@@ -44,7 +44,7 @@ def test_everything_wrong_comes_with_a_remedy(
     def wrong(name: str) -> None:
         raise RuntimeError("a kernel is gone")
 
-    monkeypatch.setattr("workbench.models.registry.make_model", wrong)
+    monkeypatch.setattr("workbench.models.base.make_model", wrong)
     assert run(["doctor", "--json", "--store", str(tmp_path)]) == 1
     checks = json.loads(capsys.readouterr().out)["checks"]
     by_name = {check["name"]: check for check in checks}
@@ -69,7 +69,7 @@ def test_physics_that_drifts_is_caught(
         return response
 
     monkeypatch.setattr(
-        "workbench.models.registry.make_model",
+        "workbench.models.base.make_model",
         lambda name, *options: SimpleNamespace(simulate=simulate),
     )
     result = diagnosed(capsys, tmp_path)

@@ -10,7 +10,7 @@ import pytest
 
 from workbench.cli import run
 from workbench.scenarios import ColumnImpact, load_scenario, to_toml
-from workbench.study.error_model.advice import choose
+from workbench.study.error_model.error_model import choose
 
 
 @pytest.fixture

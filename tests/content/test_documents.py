@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.base.catalogue import datasets
-from workbench.models.registry import offers
+from workbench.models.base import offers
 from workbench.report.page.bibliography import bibliography, reference_of
 from workbench.report.page.documents import (
     Document,

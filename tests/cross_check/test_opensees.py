@@ -11,10 +11,10 @@ from builders import lumped
 from threadpoolctl import threadpool_limits
 
 from workbench.mechanics.structures.impact import PointMass, impact
-from workbench.models.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_beams import FiberCorotational
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.steel.sections import Section
-from workbench.steel.sections.shapes import Rectangle
+from workbench.steel.sections.section import Rectangle
 
 SIZE, HARDENING, TIME_STEP = 0.1, 1e-4, 5e-5
 MODEL = FiberCorotational(

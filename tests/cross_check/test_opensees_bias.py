@@ -12,7 +12,7 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from workbench.mechanics.structures.fibers import BeamSection
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberReissner
 from workbench.scenarios import Column, ColumnImpact, Frame, Member, Striker
 from workbench.steel.sections import find
 

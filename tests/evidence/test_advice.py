@@ -11,24 +11,25 @@ import numpy as np
 import pytest
 
 from workbench.base.catalogue import DATA, load
+from workbench.models.base import make_model, model_kind, model_names
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.models.references.fiber_shear import FiberShear
-from workbench.models.registry import make_model, model_kind, model_names
+from workbench.models.references.fiber_beams import FiberShear
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.responses import Finding, Response
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.steel.sections import find, names, rectangular_tube, square
 from workbench.study import load_study
-from workbench.study.error_model.advice import (
+from workbench.study.error_model.error_model import (
     NONE,
     ORDER,
+    WARNED,
     advise,
     advised,
+    anchor_error,
     better,
     choose,
     with_remedies,
 )
-from workbench.study.error_model.error_model import WARNED, anchor_error
 from workbench.study.error_model.error_table import ANCHOR, FINEST
 
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.models.registry import make_model
+from workbench.models.base import make_model
 from workbench.responses import outcome_of
 from workbench.scenarios import Column, ColumnImpact, Striker
 from workbench.steel.materials import MILD_STEEL, Steel
 from workbench.steel.sections import find
-from workbench.study.error_model.advice import advise
+from workbench.study.error_model.error_model import advise
 
 COLUMN = Column(
     *(find("HEB 220"), 1.75, 1.75, Steel(rate=MILD_STEEL)),

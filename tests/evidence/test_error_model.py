@@ -14,8 +14,8 @@ import pytest
 
 from workbench.base.errors import Collapse, CollapseError, Mechanism
 from workbench.cli import run
-from workbench.models.references.fiber_shear import FiberShear
-from workbench.models.registry import make_model
+from workbench.models.base import make_model
+from workbench.models.references.fiber_beams import FiberShear
 from workbench.models.strain_rate import stronger
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.responses import Outcome, build_response, collapsed_response, failed_response
@@ -23,7 +23,6 @@ from workbench.scenarios import ColumnImpact, scenario_from
 from workbench.steel.materials import CowperSymonds
 from workbench.study import Case, Study
 from workbench.study.error_model import error_model
-from workbench.study.error_model.descriptors import FACTOR
 from workbench.study.error_model.error_model import (
     anchor_peak,
     expected_error,
@@ -33,6 +32,7 @@ from workbench.study.error_model.error_model import (
 from workbench.study.error_model.error_table import (
     ANCHOR,
     COLUMNS,
+    FACTOR,
     FACTOR_BEAM,
     FINEST,
     RATES,

@@ -9,10 +9,9 @@ from math import inf
 import numpy as np
 import pytest
 
-from workbench.models.registry import make_model
+from workbench.models.base import make_model
 from workbench.responses import build_response
 from workbench.scenarios import MemberPulse, Pulse, scenario_from
-from workbench.study.error_model.descriptors import DRAWN_SHAPES
 from workbench.study.error_model.error_model import (
     anchor_peak,
     expected_error,
@@ -21,6 +20,7 @@ from workbench.study.error_model.error_model import (
 )
 from workbench.study.error_model.error_table import (
     ANCHOR,
+    DRAWN_SHAPES,
     FRAMES,
     PULSES,
     TRUTH,

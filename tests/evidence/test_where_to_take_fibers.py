@@ -11,13 +11,11 @@ import pytest
 
 import workbench as wb
 from workbench.cli import run
-from workbench.models.references.fiber_reissner import FiberReissner
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberReissner, FiberShear
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.responses import findings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, scenario_from, to_toml
-from workbench.study.error_model.advice import ANCHOR, REFERENCE, choose
-from workbench.study.error_model.error_model import OPEN_END
+from workbench.study.error_model.error_model import ANCHOR, OPEN_END, REFERENCE, choose
 
 PROBE = FiberReissner(levels=1)
 RECTANGLE = {"height": 0.005, "width": 0.003}  # ANSYS VM-LSDYNA-BENCHMARK-003: 3 x 5 x 50 mm

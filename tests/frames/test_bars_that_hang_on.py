@@ -8,7 +8,7 @@ import pytest
 
 import workbench as wb
 from workbench.mechanics.frames.collapse import COLLAPSE_SIDEWAYS
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import collapse_of, findings_of, survives
 from workbench.scenarios import Column, ColumnImpact

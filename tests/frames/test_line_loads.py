@@ -8,7 +8,7 @@ import pytest
 
 from workbench.base.errors import InputError
 from workbench.mechanics.frames.structure import dead_loads
-from workbench.models.registry import make_model
+from workbench.models.base import make_model
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import Frame, FrameStatic, Load, Member, Node
 from workbench.steel.sections import find

@@ -41,7 +41,7 @@ from threadpoolctl import threadpool_limits
 
 from workbench.base.datafiles import data_directory
 from workbench.cli import run
-from workbench.models.registry import model_kind, model_names
+from workbench.models.base import model_kind, model_names
 
 CORPUS = Path(__file__).with_name("corpus")
 TOYS = Path(__file__).parents[1] / "toy_models.py"

@@ -9,7 +9,7 @@ from generalized_hinge import GeneralizedHinge
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.steel.hinges import YieldSurface, kernels, pair_kernels
+from workbench.steel.hinges import YieldSurface, kernels, panel_kernels
 
 NP, MP = 3133230.0, 284720.0
 KN, KT = 4.7775e9, 1.2743325e8
@@ -37,8 +37,8 @@ class Pair:
 
     def solve(self, elastic):
         forces, tangent, flow = np.empty(3), np.empty((3, 3)), np.empty(4)
-        pair = pair_kernels.Pair(self.flexibility, self.bounds, self.exponents, self.pinned)
-        branch = pair_kernels.project_pair(pair, np.array(elastic), forces, tangent, flow)
+        pair = panel_kernels.Pair(self.flexibility, self.bounds, self.exponents, self.pinned)
+        branch = panel_kernels.project_pair(pair, np.array(elastic), forces, tangent, flow)
         return forces, tangent, flow.reshape(2, 2), branch
 
     def used(self, forces) -> np.ndarray:

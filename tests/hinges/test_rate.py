@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.steel.hinges.rate import (
+from workbench.steel.hinges.panel_elements import (
     hinge_overstress,
     overstress_shape,
     panel_overstress,

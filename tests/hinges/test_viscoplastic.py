@@ -5,18 +5,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.steel.hinges.flow_kernels import MOST, gauge, of_two_bodies
 from workbench.steel.hinges.interaction import SHEAR_DEPTHS, ShearSurface, has_webs
-from workbench.steel.hinges.panel_elements import project_condensed
-from workbench.steel.hinges.panel_kernels import Panel
-from workbench.steel.hinges.rate import (
+from workbench.steel.hinges.kernels import MOST, flow_of_bar, gauge, of_two_bodies, potential
+from workbench.steel.hinges.panel_elements import (
     bar_law,
     overstress_shape,
     panel_law,
     panel_overstress,
+    project_condensed,
     rotation_rate,
 )
-from workbench.steel.hinges.viscoplastic_kernels import flow_of_bar, potential
+from workbench.steel.hinges.panel_kernels import Panel
 from workbench.steel.materials import MILD_STEEL, CowperSymonds, Steel
 from workbench.steel.sections import find, square
 

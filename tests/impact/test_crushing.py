@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from workbench.base.errors import InputError
 from workbench.cli import run
-from workbench.mechanics.impact import crushing
-from workbench.mechanics.impact.records import law_of
+from workbench.mechanics.impact import contact
+from workbench.mechanics.impact.integrator import law_of
+from workbench.models.base import make_model
 from workbench.models.four_dof import FourDof
-from workbench.models.registry import make_model
 from workbench.models.single_dof import SingleDof
 from workbench.models.soft_impact import SoftImpact
 from workbench.models.strain_rate import with_strain_rate
@@ -30,11 +30,11 @@ from workbench.scenarios import (
     scenario_hash,
     to_toml,
 )
-from workbench.scenarios.traffic import LIGHTEST
+from workbench.scenarios.pulse import LIGHTEST
 from workbench.steel.materials import Steel
 from workbench.steel.sections import find
-from workbench.study.error_model.descriptors import DEMAND, YIELDING, features
 from workbench.study.error_model.error_model import expected_error
+from workbench.study.error_model.error_table import DEMAND, YIELDING, features
 
 POINTS = ((0.0, 0.0), (0.1, 2e5), (0.2, 2e5), (0.3, 1e5), (0.4, 4e5))
 PEAK = "peak_displacement"
@@ -58,25 +58,25 @@ def test_the_mean_force_does_the_work_of_the_law(
     points = POINTS if stiffness is None else None
     law = law_of(Striker(1500.0, 15.0, stiffness=stiffness, crush=points))
     law["crushed"] = crushed = max(crushed, start)
-    knots = [crushing.front(law), crushed, *law["strokes"]]
+    knots = [contact.front(law), crushed, *law["strokes"]]
     way = np.unique(np.clip([start, end, *knots], *sorted((start, end))))
-    forces = [crushing.force_at(law, each)[0] for each in way]
+    forces = [contact.force_at(law, each)[0] for each in way]
     if abs(end - start) < 1e-6:
         return
-    mean, slope = crushing.mean_force(law, start, end)
+    mean, slope = contact.mean_force(law, start, end)
     assert min(forces) >= 0.0
     assert mean * abs(end - start) == pytest.approx(np.trapezoid(forces, way), abs=1e-4)
     farther = end + 1e-7 * (1.0 if end > start else -1.0)
     if not any(abs(end - knot) < 1e-6 for knot in knots):
-        change = (crushing.mean_force(law, start, farther)[0] - mean) / (farther - end)
+        change = (contact.mean_force(law, start, farther)[0] - mean) / (farther - end)
         assert slope == pytest.approx(change, rel=1e-3, abs=1e3)  # of 2e8 N/m backwards
 
 
 def test_as_many_points_are_kept_as_a_scenario_takes() -> None:
-    assert crushing.MOST_POINTS == column.MOST_POINTS
+    assert contact.MOST_POINTS == column.MOST_POINTS
     points = [(0.01 * i, 1e4 * i) for i in range(column.MOST_POINTS)]
     law = law_of(Striker(1.0, 1.0, crush=tuple(points)))
-    assert crushing.envelope(law, 0.485)[0] == pytest.approx(4.85e5)
+    assert contact.envelope(law, 0.485)[0] == pytest.approx(4.85e5)
 
 
 @pytest.mark.parametrize("model", [SingleDof(), FourDof()], ids=lambda model: model.name)

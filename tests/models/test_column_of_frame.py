@@ -18,11 +18,10 @@ from workbench.base.errors import InputError, OutOfDomainError
 from workbench.cli import run
 from workbench.mechanics.frames.collapse import collapse_factor, collapse_mechanism
 from workbench.mechanics.frames.column_estimate import SAME
-from workbench.mechanics.frames.column_line import HEAD_MASSES
-from workbench.mechanics.frames.elastic import ElasticFrame, dead_load_state
+from workbench.mechanics.frames.elastic import HEAD_MASSES, ElasticFrame, dead_load_state
+from workbench.models.base import make_model
 from workbench.models.column_of_frame import MODELS, ColumnOfFrame, derive_column
 from workbench.models.four_dof import FourDof
-from workbench.models.registry import make_model
 from workbench.models.superelements import RigidSuperelement
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.scenarios import (
@@ -42,7 +41,7 @@ from workbench.scenarios import (
     to_toml,
 )
 from workbench.steel.sections import find, square
-from workbench.study.error_model.advice import advise
+from workbench.study.error_model.error_model import advise
 from workbench.testing import check_model
 
 SECTION = square(0.2)

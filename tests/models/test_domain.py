@@ -13,8 +13,7 @@ from workbench.models.domain import (
     member_findings,
     shear_demand,
 )
-from workbench.models.references.fiber_reissner import FiberReissner
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberReissner, FiberShear
 from workbench.scenarios import (
     Column,
     ColumnPushover,

@@ -13,7 +13,7 @@ from workbench.base.errors import OutOfDomainError
 from workbench.mechanics.frames.members import shear_stiffness
 from workbench.models.elastic_springs import bar_functions, beam_springs
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberShear
 from workbench.models.resistance import mechanism_of
 from workbench.models.single_dof import SingleDof
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker

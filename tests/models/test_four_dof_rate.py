@@ -11,7 +11,7 @@ from workbench.base.errors import InputError
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.responses import findings_of, outcome_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.steel.hinges.rate import hinge_overstress, overstress_shape
+from workbench.steel.hinges.panel_elements import hinge_overstress, overstress_shape
 from workbench.steel.materials import MILD_STEEL, CowperSymonds, Steel
 from workbench.steel.sections import circular_tube, find, square
 

@@ -19,8 +19,7 @@ from workbench.models.hinged_frames import (
     QuasiPlasticHinge,
     RefinedPlasticHinge,
 )
-from workbench.models.references.fiber_corotational import FiberCorotational
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberCorotational, FiberReissner
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.responses import warnings_of
 from workbench.scenarios import (

@@ -12,9 +12,8 @@ import pytest
 
 from workbench.base.codec import inputs_of, set_inputs
 from workbench.models import frame_model
-from workbench.models.base import Model
+from workbench.models.base import Model, make_model, model_kind, model_names
 from workbench.models.frame_model import FrameModel
-from workbench.models.registry import make_model, model_kind, model_names
 from workbench.responses import findings_of
 from workbench.scenarios import (
     Column,
@@ -38,8 +37,7 @@ from workbench.scenarios import (
 )
 from workbench.scenarios.varied import with_other_inputs
 from workbench.steel.sections import find
-from workbench.study.error_model.advice import advised, doubts
-from workbench.study.error_model.error_model import truth_ratio
+from workbench.study.error_model.error_model import advised, doubts, truth_ratio
 from workbench.testing import ignored_inputs
 
 SECTION = find("HEB 220")

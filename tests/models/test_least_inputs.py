@@ -6,10 +6,10 @@ import pytest
 from builders import portal
 
 from workbench.base.errors import InputError
-from workbench.models.registry import make_model
+from workbench.models.base import make_model
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, FrameGroundMotion, Striker
-from workbench.scenarios.traffic import velocity_after
+from workbench.scenarios.pulse import velocity_after
 
 COLUMN = Column("HEB 220", 0.8, 3.2, axial_load=5e5, restraint_stiffness=1e7)
 HIT = ColumnImpact("hit", COLUMN, Striker(1500.0, 8.0))

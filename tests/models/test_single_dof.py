@@ -24,7 +24,7 @@ from workbench.models.resistance import (
     resistance_curve,
 )
 from workbench.models.single_dof import SingleDof
-from workbench.models.single_dof.spring import (
+from workbench.models.single_dof.march import (
     pushed,
     spring_at_rest,
     spring_energy,

@@ -8,8 +8,8 @@ import pytest
 from scipy.linalg import eigh
 
 from workbench.base.errors import InputError
+from workbench.mechanics.impact.integrator import follow
 from workbench.mechanics.impact.pace import Pace
-from workbench.mechanics.impact.records import follow
 from workbench.models.single_dof import SingleDof
 from workbench.models.single_dof.march import RECORD
 from workbench.models.soft_impact import SoftImpact, crush, impact

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from workbench.base.errors import InputError
+from workbench.models.base import make_model
 from workbench.models.batch import simulate_many
 from workbench.models.energy_estimate import EnergyEstimate
-from workbench.models.registry import make_model
 from workbench.models.single_dof import SingleDof
 from workbench.models.strain_rate import rate_factor, stronger, with_rate
 from workbench.responses import findings_of
@@ -22,7 +22,7 @@ from workbench.scenarios import (
     scenario_from,
     to_toml,
 )
-from workbench.steel.hinges.rate import hinge_overstress, overstress_shape
+from workbench.steel.hinges.panel_elements import hinge_overstress, overstress_shape
 from workbench.steel.materials import GRADES, MILD_STEEL, CowperSymonds, Steel
 
 

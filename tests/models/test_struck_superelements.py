@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from builders import portal
 
-from workbench.mechanics.frames.superelements import curvature_shares
+from workbench.mechanics.frames.structure import curvature_shares
 from workbench.mechanics.impact.pace import late_peak
 from workbench.models.frame_model import as_frame
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import warnings_of
 from workbench.scenarios import (

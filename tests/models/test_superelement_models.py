@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from workbench.base.errors import InputError
 from workbench.mechanics.frames.elastic import dead_load_state
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.models.references.fiber_reissner import FiberReissner
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberReissner, FiberShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import Outcome, Response, collapse_of, outcome_of, warnings_of
 from workbench.scenarios import (

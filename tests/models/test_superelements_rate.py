@@ -8,7 +8,7 @@ import pytest
 
 from workbench.base.errors import InputError
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberReissner
 from workbench.models.strain_rate import with_rate
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import findings_of, outcome_of

@@ -21,8 +21,8 @@ from skfem.helpers import grad
 
 from workbench.base.arrays import Array
 from workbench.mechanics.structures.elements import Bars, Step
-from workbench.mechanics.structures.fibers.beams import ReissnerBeams
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.mechanics.structures.fibers.section import ReissnerBeams
+from workbench.models.references.fiber_beams import FiberReissner
 
 
 @LinearForm

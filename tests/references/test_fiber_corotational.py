@@ -10,8 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.base.errors import InputError
-from workbench.models.references.fiber_corotational import FiberCorotational
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberCorotational, FiberReissner
 from workbench.responses import Outcome, Response, collapse_of, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker, frame_of
 from workbench.steel.sections import find, square

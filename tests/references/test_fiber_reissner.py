@@ -13,8 +13,7 @@ from reissner_forms import FormsReissner
 from workbench.base.errors import InputError
 from workbench.mechanics.frames.members import shear_stiffness
 from workbench.models import frame_model
-from workbench.models.references.fiber_corotational import FiberCorotational
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberCorotational, FiberReissner
 from workbench.responses import Outcome, outcome_of
 from workbench.responses.uncertainty import directions_of, estimate, variants
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker

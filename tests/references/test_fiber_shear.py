@@ -12,8 +12,7 @@ from builders import SQUARE, explicit_peak
 from workbench.base.errors import CollapseError
 from workbench.mechanics.structures.fibers import section_fibers
 from workbench.models.four_dof import FourDofShear
-from workbench.models.references.fiber_reissner import FiberReissner
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberReissner, FiberShear
 from workbench.models.strain_rate import with_rate
 from workbench.responses import (
     Outcome,

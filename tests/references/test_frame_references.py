@@ -10,11 +10,8 @@ from builders import SQUARE, explicit_peak, portal
 
 from workbench.base.datafiles import data_directory
 from workbench.models.domain import unused_inputs
-from workbench.models.references.fiber import FiberReference
-from workbench.models.references.fiber_corotational import FiberCorotational
-from workbench.models.references.fiber_mesh import MeshRule, member_lengths, mesh_frame
-from workbench.models.references.fiber_reissner import FiberReissner
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber import FiberReference, MeshRule, member_lengths, mesh_frame
+from workbench.models.references.fiber_beams import FiberCorotational, FiberReissner, FiberShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.scenarios import (

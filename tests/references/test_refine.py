@@ -12,8 +12,7 @@ import pytest
 
 from workbench.base.errors import InputError, SolverError
 from workbench.models.base import respond
-from workbench.models.references.fiber_corotational import FiberCorotational
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberCorotational, FiberShear
 from workbench.models.references.refine import CurvePoint, default_quantities, read, refined
 from workbench.models.references.solid import SolidPlaneStress
 from workbench.responses import Finding, Outcome, build_response, outcome_of, warnings_of

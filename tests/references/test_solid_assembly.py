@@ -12,7 +12,7 @@ from scipy.sparse import eye_array
 from workbench.base.errors import SolverError
 from workbench.mechanics.structures.equilibrium import equilibrium
 from workbench.mechanics.structures.paths import apply_loads, push
-from workbench.models.references.solid.assembly import SolidAssembly
+from workbench.models.references.solid.kernels import SolidAssembly
 from workbench.models.references.solid.mesh import (
     SolidMesh,
     Supports,

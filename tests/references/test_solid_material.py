@@ -12,9 +12,16 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.linalg import polar
 
-from workbench.models.references.solid import material
-from workbench.models.references.solid.kernels import Elements, State, empty_state, respond
-from workbench.models.references.solid.material import SQUEEZED, SolidSteel, Tensor
+from workbench.models.references.solid import kernels
+from workbench.models.references.solid.kernels import (
+    SQUEEZED,
+    Elements,
+    SolidSteel,
+    State,
+    Tensor,
+    empty_state,
+    respond,
+)
 
 Array = NDArray[np.float64]
 E, NU, FY = 210e9, 0.3, 355e6
@@ -29,17 +36,17 @@ class Point(NamedTuple):
 
 def point(F: Array, plastic: Array | None = None, hardened: float = 0.0, H: float = 0.0) -> Point:
     steel = SolidSteel(E, NU, FY, H)
-    result = material.stretched(*F)
+    result = kernels.stretched(*F)
     start = np.array(result.strain) - (0.0 if plastic is None else plastic)
-    back = material.return_mapping(Tensor(*start), hardened, steel)
+    back = kernels.return_mapping(Tensor(*start), hardened, steel)
     C, D, K = np.zeros((3, 3)), np.empty((3, 4)), np.empty((4, 4))
-    material.add_return_tangent(back, steel, C)
+    kernels.add_return_tangent(back, steel, C)
     stress = np.array(back.stress)
     if result.area < SQUEEZED:
-        stress = stress + np.array(material.squeeze(result, E))
-        material.add_squeeze_tangent(result, E, C)
-    nominal = np.array(material.nominal_stress(result, Tensor(*stress)))
-    material.nominal_tangent(result, Tensor(*stress), C, D, K)
+        stress = stress + np.array(kernels.squeeze(result, E))
+        kernels.add_squeeze_tangent(result, E, C)
+    nominal = np.array(kernels.nominal_stress(result, Tensor(*stress)))
+    kernels.nominal_tangent(result, Tensor(*stress), C, D, K)
     return Point(nominal, K, np.array(result.strain), np.array(back.stress))
 
 
@@ -121,8 +128,8 @@ def test_nominal_stress_turns_with_the_body(seed: int, angle: float) -> None:
 @given(st.lists(st.floats(-0.5, 0.5), min_size=3, max_size=3), st.floats(0.0, 0.05))
 def test_return_is_the_closest_point_on_the_yield_surface(strain: list[float], H: float) -> None:
     steel, C = SolidSteel(E, NU, FY, H * E), np.zeros((3, 3))
-    result = material.return_mapping(Tensor(*strain), 0.0, steel)
-    material.add_return_tangent(result, steel, C)
+    result = kernels.return_mapping(Tensor(*strain), 0.0, steel)
+    kernels.add_return_tangent(result, steel, C)
     T, plastic, hardened = np.array(result.stress), np.array(result.flow), result.hardened
     compliance = np.array([[1, -NU, 0], [-NU, 1, 0], [0, 0, 2 * (1 + NU)]]) / E
     np.testing.assert_allclose(compliance @ T + plastic, strain, atol=1e-15)
@@ -197,13 +204,13 @@ def test_a_return_with_a_rate_meets_the_law(
     """Overstress of the plastic strain of the step, along the normal, and never negative work."""
     H, reference = 0.01 * E if hardens else 0.0, 10.0**size
     steel = SolidSteel(E, NU, FY, H, reference, exponent)
-    back = material.return_mapping(Tensor(*strain), hardened, steel)
+    back = kernels.return_mapping(Tensor(*strain), hardened, steel)
     stress = equivalent(np.array(back.stress))
     p = back.hardened - hardened
     if back.gamma == 0.0:
         assert stress <= (FY + H * hardened) * (1.0 + 1e-12)
         return
-    plastic = material.return_mapping(Tensor(*strain), hardened, SolidSteel(E, NU, FY, H))
+    plastic = kernels.return_mapping(Tensor(*strain), hardened, SolidSteel(E, NU, FY, H))
     assert p < plastic.hardened - hardened
     law = FY * (1.0 + (2.0 / 3.0 * back.gamma * stress / reference) ** (1.0 / exponent))
     assert stress == pytest.approx(law + H * back.hardened, rel=1e-10)
@@ -212,6 +219,6 @@ def test_a_return_with_a_rate_meets_the_law(
 
 def test_a_steel_of_infinite_reference_rate_is_the_static_one() -> None:
     for strain in ((0.01, -0.002, 0.03), (0.0, 0.0, 0.02)):
-        fast = material.return_mapping(Tensor(*strain), 0.0, SolidSteel(E, NU, FY, 0.0, 1e24, 5.0))
-        still = material.return_mapping(Tensor(*strain), 0.0, SolidSteel(E, NU, FY, 0.0))
+        fast = kernels.return_mapping(Tensor(*strain), 0.0, SolidSteel(E, NU, FY, 0.0, 1e24, 5.0))
+        still = kernels.return_mapping(Tensor(*strain), 0.0, SolidSteel(E, NU, FY, 0.0))
         np.testing.assert_allclose(fast.stress, still.stress, rtol=0.0, atol=1e-4 * FY)

@@ -13,10 +13,10 @@ from scipy.sparse.linalg import eigsh
 
 from workbench.base.errors import SolverError
 from workbench.mechanics.structures.explicit import explicit_impact
-from workbench.mechanics.structures.time_steps import PointMass
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.mechanics.structures.impact import PointMass
+from workbench.models.references.fiber_beams import FiberShear
 from workbench.models.references.solid import SolidPlaneStress
-from workbench.models.references.solid.assembly import SolidAssembly, nodal_mass, solid_column
+from workbench.models.references.solid.kernels import SolidAssembly, nodal_mass, solid_column
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.responses import Outcome, Response, energy_error, outcome_of
 from workbench.responses.uncertainty import WIDTHS

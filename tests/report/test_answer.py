@@ -12,7 +12,7 @@ from pages import View, views
 from synthetic_study import Synthetic, store_of, sweep_study
 from toy_models import Spring
 
-from workbench.models.registry import model_names
+from workbench.models.base import model_names
 from workbench.report.build import build_report, document, summary
 from workbench.report.chapters.answer import (
     answer,

@@ -10,7 +10,7 @@ from synthetic_frames import portal, storeys
 from synthetic_study import columns
 from test_report_figures import request
 
-from workbench.report.drawing.layout import Layout
+from workbench.report.drawing.frame import Layout
 from workbench.report.figures import draw
 from workbench.report.figures.structure import spans
 from workbench.scenarios import (

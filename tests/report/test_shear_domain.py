@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from workbench.report.figures.surfaces import crossing
+from workbench.report.figures.values import crossing
 
 
 def test_the_bound_is_interpolated_and_final() -> None:

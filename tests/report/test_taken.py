@@ -12,8 +12,8 @@ from workbench.models.superelements import FlexibleSuperelement
 from workbench.report.chapters.answer import decisive
 from workbench.report.chapters.choice import details, first, trusted
 from workbench.study import Figure
-from workbench.study.assessment.budget import PEAK, RESIDUAL
-from workbench.study.matrix import MATRIX_COLUMNS, pooled
+from workbench.study.assessment.gates import PEAK, RESIDUAL
+from workbench.study.chooser import MATRIX_COLUMNS, pooled
 
 MODELS = dict.fromkeys(("near", "far", "sure"), Spring()) | {"anchor": FlexibleSuperelement()}
 STUDY = SimpleNamespace(ranked=("beam",), groups={"all": ("hit",)}, cases=(), models=MODELS)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from workbench.base.datafiles import data_directory
 from workbench.base.errors import InputError
 from workbench.cli import run
-from workbench.models.registry import make_model, model_names
+from workbench.models.base import make_model, model_names
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import (
     Frame,

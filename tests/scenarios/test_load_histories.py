@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
 from workbench.base.errors import InputError
-from workbench.scenarios.load_histories import missile_of, missile_pulse, near_fault_motion
+from workbench.scenarios.pulse import missile_of, missile_pulse, near_fault_motion
 
 # nose, cabin, engines and wings, tail: numbers of nothing that flies
 AT, MASSES = (0.0, 5.0, 15.0, 30.0, 40.0), (500.0, 3000.0, 8000.0, 500.0, 200.0)

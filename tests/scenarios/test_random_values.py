@@ -17,8 +17,7 @@ from scenario_tables import SCENARIOS, places, put
 
 from workbench.base.errors import InputError
 from workbench.cli import main
-from workbench.models.base import with_options
-from workbench.models.registry import model_kind, model_names
+from workbench.models.base import model_kind, model_names, with_options
 from workbench.scenarios import load_scenario, scenario_from, scenario_hash, to_toml
 
 PLACES = [(name, place) for name, tables in SCENARIOS.items() for place in places(tables)]

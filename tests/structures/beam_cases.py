@@ -6,8 +6,7 @@ import numpy as np
 
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.fibers import BeamSection
-from workbench.mechanics.structures.fibers.beams import FiberBeams, radau_rule
-from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.fibers.section import FiberBeams, LinearHardening, radau_rule
 
 E_STEEL, YIELD = 210e9, 355e6
 KINDS = {

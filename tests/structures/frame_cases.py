@@ -9,8 +9,7 @@ from reissner_cases import square
 
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.fibers import BeamSection
-from workbench.mechanics.structures.fibers.beams import ReissnerBeams
-from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.fibers.section import LinearHardening, ReissnerBeams
 
 HEIGHT, SPAN = 4.0, 6.0
 

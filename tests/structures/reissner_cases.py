@@ -8,10 +8,10 @@ import numpy as np
 
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.fibers import BeamSection
-from workbench.mechanics.structures.fibers.beams import ReissnerBeams
 from workbench.mechanics.structures.fibers.section import (
     LinearHardening,
     MenegottoPinto,
+    ReissnerBeams,
     ShearYielding,
 )
 from workbench.steel.materials import MILD_STEEL

@@ -9,10 +9,9 @@ from frame_cases import portal
 from reissner_cases import chain, elastic, square
 
 from workbench.base.errors import InputError, SolverError
-from workbench.mechanics.structures.arc_length import follow_arc
 from workbench.mechanics.structures.assembly import PlanarAssembly
-from workbench.mechanics.structures.fibers.beams import ReissnerBeams
-from workbench.mechanics.structures.paths import apply_loads, follow_displacement
+from workbench.mechanics.structures.fibers.section import ReissnerBeams
+from workbench.mechanics.structures.paths import apply_loads, follow_arc, follow_displacement
 from workbench.mechanics.structures.superelements import Superelements
 
 LENGTH = 1.2

@@ -21,7 +21,7 @@ from workbench.mechanics.structures.bars import (
     kernels,
 )
 from workbench.steel.hinges.interaction import polyline
-from workbench.steel.hinges.pair_kernels import Pair, project_pair
+from workbench.steel.hinges.panel_kernels import Pair, project_pair
 
 LENGTH = 4.0
 YIELD = np.array([NP * LENGTH / EA, MP * LENGTH / (3.0 * EI), MP * LENGTH / (3.0 * EI)])

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.mechanics.structures import corotation_kernels as co
+from workbench.mechanics.structures import kernels as co
 
 ANGLES = st.floats(-3.0, 3.0)
 LENGTHS = st.floats(0.2, 5.0)

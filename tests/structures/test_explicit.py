@@ -12,8 +12,7 @@ from workbench.mechanics.structures import explicit
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.explicit import explicit_impact, stable_step
 from workbench.mechanics.structures.fibers import BeamSection
-from workbench.mechanics.structures.fibers.beams import FiberBeams
-from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.fibers.section import FiberBeams, LinearHardening
 from workbench.mechanics.structures.impact import PointMass, impact
 
 SPAN = 3.0

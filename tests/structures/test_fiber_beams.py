@@ -11,8 +11,12 @@ from section_cases import response
 
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.fibers import BeamSection
-from workbench.mechanics.structures.fibers.beams import FiberBeams, gauss_rule, radau_rule
-from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.fibers.section import (
+    FiberBeams,
+    LinearHardening,
+    gauss_rule,
+    radau_rule,
+)
 from workbench.mechanics.structures.paths import apply_loads, push
 
 SCALE = np.array([1e-3, 1e-3, 6e-3])  # displacements (m) and rotations that make fibers yield

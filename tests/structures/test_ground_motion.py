@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from workbench.base.errors import SolverError
-from workbench.mechanics.structures import time_steps
+from workbench.mechanics.structures import impact
+from workbench.mechanics.structures.impact import TimeStep, follow_force, rigid_displacement
 from workbench.mechanics.structures.paths import apply_loads
-from workbench.mechanics.structures.time_steps import TimeStep, follow_force, rigid_displacement
 from workbench.scenarios.pulse import line_integral
 
 STIFFNESS = 210e9 * 1e-3 / 2.0  # of the bar, N/m
@@ -239,7 +239,7 @@ def test_steps_have_a_limit_before_and_on_the_way(monkeypatch) -> None:
     rod, _, _ = oscillator()
     with pytest.raises(SolverError, match=r"time 0 s: residual 0; tried 2000000 of 1e\+09 steps"):
         next(ground_motion(rod, "x", (1.0, 1.0), 1.0, [(1.0, 1e-9)], 0.5))
-    monkeypatch.setattr(time_steps, "MOST_STEPS", 20)
+    monkeypatch.setattr(impact, "MOST_STEPS", 20)
     tried = []
 
     def short_ones_alone(begin: float, length: float):
@@ -249,5 +249,5 @@ def test_steps_have_a_limit_before_and_on_the_way(monkeypatch) -> None:
         return TimeStep(length, None, 0.0, 0.0), 1, 1e-9
 
     with pytest.raises(SolverError, match="tried 20 of 21 steps") as error:
-        list(time_steps.march([(1.0, 0.1)], short_ones_alone, ""))
+        list(impact.march([(1.0, 0.1)], short_ones_alone, ""))
     assert error.value.step == f"time {tried[-1]:.6g} s"

@@ -16,8 +16,7 @@ from test_impact_driver import clamped_column
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.explicit import explicit_impact
 from workbench.mechanics.structures.fibers import BeamSection
-from workbench.mechanics.structures.fibers.beams import ReissnerBeams
-from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.fibers.section import LinearHardening, ReissnerBeams
 from workbench.mechanics.structures.impact import PointMass, TimeStep, impact
 from workbench.mechanics.structures.paths import apply_loads
 

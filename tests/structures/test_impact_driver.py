@@ -12,8 +12,7 @@ from test_statics import ELASTIC
 from workbench.base.errors import SolverError
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.fibers import BeamSection
-from workbench.mechanics.structures.fibers.beams import FiberBeams
-from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.fibers.section import FiberBeams, LinearHardening
 from workbench.mechanics.structures.impact import PointMass, impact
 from workbench.steel.sections import find
 

@@ -9,7 +9,7 @@ from beam_cases import E_STEEL, clamp, rectangle
 
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.elements import JointSprings
-from workbench.mechanics.structures.fibers.beams import FiberBeams
+from workbench.mechanics.structures.fibers.section import FiberBeams
 from workbench.mechanics.structures.paths import apply_loads, push
 
 SLIM = rectangle(yield_stress=1e12)

@@ -5,7 +5,7 @@ import pytest
 from beam_cases import chain, clamp, rectangle
 
 from workbench.mechanics.structures.assembly import PlanarAssembly
-from workbench.mechanics.structures.fibers.beams import FiberBeams
+from workbench.mechanics.structures.fibers.section import FiberBeams
 from workbench.mechanics.structures.paths import apply_loads
 
 

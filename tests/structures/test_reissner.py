@@ -21,7 +21,7 @@ from reissner_cases import (
     straight,
 )
 
-from workbench.mechanics.structures.fibers.beams import ReissnerBeams
+from workbench.mechanics.structures.fibers.section import ReissnerBeams
 from workbench.mechanics.structures.impact import PointMass, impact
 from workbench.mechanics.structures.paths import apply_loads, push
 

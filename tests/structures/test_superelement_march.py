@@ -12,9 +12,9 @@ from workbench.base.arrays import Array
 from workbench.base.errors import SolverError
 from workbench.mechanics.impact.pace import Pace
 from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.impact import PointMass
 from workbench.mechanics.structures.kernels import solve_band
 from workbench.mechanics.structures.superelements.march import follow_impact
-from workbench.mechanics.structures.time_steps import PointMass
 
 DURATION = 0.04
 BY_ERROR = Pace(DURATION, 1e-6, 4e-4, 1e-4, 1.2e-2, 0.01, 0.0, 100_000)

@@ -37,8 +37,8 @@ from workbench.mechanics.structures.superelements.group import (
     scratch,
 )
 from workbench.steel.hinges import ShearSurface, YieldSurface
+from workbench.steel.hinges.panel_elements import bar_law, panel_law
 from workbench.steel.hinges.panel_kernels import WEB
-from workbench.steel.hinges.rate import bar_law, panel_law
 from workbench.steel.materials import MILD_STEEL, Steel
 from workbench.steel.sections import find
 

@@ -7,7 +7,7 @@ from textwrap import dedent
 
 import workbench
 from workbench.scenarios import to_toml
-from workbench.study.error_model.advice import advise
+from workbench.study.error_model.error_model import advise
 
 GUIDE = Path(workbench.__file__).parents[1] / "docs" / "guide" / "study.md"
 

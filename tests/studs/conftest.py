@@ -9,8 +9,7 @@ import pandas as pd
 import pytest
 
 from workbench.studs import shipped
-from workbench.studs.reading import read_text
-from workbench.studs.schema import TESTS
+from workbench.studs.schema import TESTS, read_text
 
 
 @pytest.fixture(scope="session")

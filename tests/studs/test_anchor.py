@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 from workbench.studs import RELATIONS, TESTS, ResidualFit, fit_residual
-from workbench.studs.reading import from_frame
 from workbench.studs.relations import ANCHORED, Relation
+from workbench.studs.schema import from_frame
 
 THETA = {"oehlers": (), "anchored-power": (0.4,), "inverted-s": (0.7, 0.05)}
 

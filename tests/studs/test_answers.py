@@ -28,7 +28,7 @@ from workbench.studs.answers import (
 from workbench.studs.fit_protocol import judge, plain
 from workbench.studs.interaction import combined_tests
 from workbench.studs.model import tables_of
-from workbench.studs.reading import from_frame
+from workbench.studs.schema import from_frame
 from workbench.studs.tables import joined, split_table
 from workbench.study.store import read_netcdf, to_netcdf_bytes
 from workbench.testing import check_model

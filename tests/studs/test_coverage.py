@@ -15,10 +15,10 @@ import pytest
 from workbench.studs import POINTS, RELATIONS, SHEAR_MODELS, OllgaardLaw, fit_load_slip
 from workbench.studs.formulas import prediction
 from workbench.studs.load_slip import judge_curves
-from workbench.studs.quantities import Specimens
-from workbench.studs.reading import from_frame
+from workbench.studs.schema import from_frame
 from workbench.studs.statistics.intervals import Interval, profile_interval
 from workbench.studs.statistics.mixed import fit, problem
+from workbench.studs.tables import Specimens
 
 CONFIDENCE, MARGIN = 0.9, 0.03
 Generator = np.random.Generator

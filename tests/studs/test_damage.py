@@ -18,7 +18,7 @@ from workbench.studs.damaged import (
     fatigue_life,
     predicted_references,
 )
-from workbench.studs.reading import examine, from_frame
+from workbench.studs.schema import examine, from_frame
 
 Capture = pytest.CaptureFixture[str]
 

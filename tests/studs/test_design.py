@@ -16,10 +16,9 @@ from workbench.cli import run
 from workbench.studs import fit_residual, fit_strength
 from workbench.studs.formulas import SHEAR_MODELS
 from workbench.studs.interaction import fit_interaction, log_reach
-from workbench.studs.quantities import specimens
-from workbench.studs.reading import from_frame
-from workbench.studs.schema import TESTS
+from workbench.studs.schema import TESTS, from_frame
 from workbench.studs.series import evaluate_few, few_tests_factor
+from workbench.studs.tables import specimens
 
 Capture = pytest.CaptureFixture[str]
 

@@ -12,8 +12,8 @@ from workbench.base.errors import InputError
 from workbench.cli import run
 from workbench.studs import TESTS, fit_factors, fit_strength
 from workbench.studs.formulas import FORMULAS, SHEAR_MODELS, TENSION_MODELS
-from workbench.studs.quantities import Specimens, specimens
-from workbench.studs.reading import read_text
+from workbench.studs.schema import read_text
+from workbench.studs.tables import Specimens, specimens
 
 STUD = {
     "campaign": "lab", "specimen": "a", "test": "pull-out", "diameter_mm": 19, "height_mm": 100,

@@ -13,7 +13,7 @@ import pytest
 
 from workbench.cli import run
 from workbench.studs import TESTS, fit_residual, fit_strength
-from workbench.studs.reading import from_frame
+from workbench.studs.schema import from_frame
 from workbench.studs.statistics.mixed import LOSSES
 
 SOUND = [104.5, 106.1, 103.2, 105.0, 104.1]

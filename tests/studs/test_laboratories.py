@@ -16,7 +16,7 @@ from scipy.stats import norm
 
 from workbench.studs import POINTS, TESTS, fit_residual
 from workbench.studs.load_slip import OllgaardLaw, fit_load_slip
-from workbench.studs.reading import from_frame
+from workbench.studs.schema import from_frame
 from workbench.studs.statistics.intervals import outliers, predictive_quantile, profile_interval
 from workbench.studs.statistics.mixed import LOSSES, fit, fit_robust, location
 

@@ -11,8 +11,7 @@ import pytest
 from scipy import stats
 
 from workbench.studs import evaluate_groups, fit_strength
-from workbench.studs.reading import from_frame
-from workbench.studs.schema import TESTS
+from workbench.studs.schema import TESTS, from_frame
 from workbench.studs.statistics.intervals import profile_interval
 from workbench.studs.strength_fit import VARIATIONS
 

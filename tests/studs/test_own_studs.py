@@ -14,8 +14,7 @@ from workbench.cli import run
 from workbench.studs import TESTS
 from workbench.studs.mechanical import MechanicalFit, Stud, Surroundings, residual_curve, studs_of
 from workbench.studs.mechanical.calibration import complete_rows
-from workbench.studs.reading import from_frame
-from workbench.studs.schema import USUAL
+from workbench.studs.schema import USUAL, from_frame
 from workbench.studs.tables import identity_of
 
 NOTHING: dict[str, float | None] = dict.fromkeys(USUAL)

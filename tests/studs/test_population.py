@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from workbench.studs import POINTS, TESTS, evaluate_groups, fit_load_slip, fit_strength, shipped
-from workbench.studs.reading import from_frame
+from workbench.studs.schema import from_frame
 
 
 def table(**changes: object) -> pd.DataFrame:

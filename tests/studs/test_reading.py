@@ -16,7 +16,7 @@ from workbench.base.errors import InputError
 from workbench.extras.intake.kinds import check_file
 from workbench.scenarios import load_scenario
 from workbench.studs import POINTS, TESTS, examine, read_tests
-from workbench.studs.reading import from_frame, read_text
+from workbench.studs.schema import from_frame, read_text
 
 HEADER = "campaign,specimen,test,diameter_mm,height_mm,fcm_MPa,fu_MPa,shear_kN"
 GOOD = "lab,A1,push-out,19,100,30,450,100"

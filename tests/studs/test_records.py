@@ -12,7 +12,7 @@ import pytest
 
 from workbench.studs import POINTS
 from workbench.studs.load_slip import LoadSlipFit, OllgaardLaw, fit_load_slip
-from workbench.studs.reading import from_frame
+from workbench.studs.schema import from_frame
 from workbench.studs.tables import recorded
 
 LAW = OllgaardLaw(900.0, 0.55)

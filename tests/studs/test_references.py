@@ -11,7 +11,7 @@ import pytest
 from workbench.cli import run
 from workbench.studs import TESTS, fit_residual
 from workbench.studs.damaged import damaged_rows
-from workbench.studs.reading import from_frame
+from workbench.studs.schema import from_frame
 
 LEVELS = [0.1, 0.25, 0.4, 0.55, 0.7, 0.9]
 

@@ -14,7 +14,7 @@ from workbench.base.errors import InputError
 from workbench.studs import RELATIONS, TESTS, Grade, MechanicalCurve, ResidualFit, fit_residual
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import plain
-from workbench.studs.reading import from_frame
+from workbench.studs.schema import from_frame
 from workbench.studs.statistics.intervals import without_each
 
 Maker = Callable[..., pd.DataFrame]

@@ -14,8 +14,7 @@ import pytest
 from scipy.stats import norm
 
 from workbench.studs import fit_residual
-from workbench.studs.reading import from_frame
-from workbench.studs.schema import TESTS
+from workbench.studs.schema import TESTS, from_frame
 
 TRUTHS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "exponential": lambda d: np.exp(-0.6 * d),

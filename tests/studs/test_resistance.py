@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from workbench.base.errors import InputError
 from workbench.studs import INTERACTIONS, SHEAR_MODELS, strength_formula
 from workbench.studs.formulas import Formula, characteristic_strength
-from workbench.studs.quantities import concrete_modulus, specimens
+from workbench.studs.tables import concrete_modulus, specimens
 
 D, H, FC, EC, FU = 0.019, 0.1, 30e6, 32e9, 450e6
 AREA = pi * D**2 / 4

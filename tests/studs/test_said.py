@@ -13,8 +13,8 @@ import pytest
 from workbench.cli import run
 from workbench.extras.intake.kinds import check_file
 from workbench.studs import TESTS, evaluate_d8, examine, fit_strength
-from workbench.studs.quantities import specimens
-from workbench.studs.reading import from_frame
+from workbench.studs.schema import from_frame
+from workbench.studs.tables import specimens
 
 USUAL = {"campaign": "lab", "test": "push-out", "diameter_mm": 19.0, "height_mm": 100.0}
 USUAL |= {"fcm_MPa": 31.2, "fu_MPa": 472.0}

@@ -12,7 +12,7 @@ import pytest
 from workbench.cli import run
 from workbench.studs import TESTS, fit_strength
 from workbench.studs.laboratory import rank_scatters
-from workbench.studs.reading import from_frame
+from workbench.studs.schema import from_frame
 
 
 def rows(logs: np.ndarray, labs: int = 3) -> pd.DataFrame:

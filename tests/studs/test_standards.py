@@ -11,7 +11,7 @@ import pytest
 
 from workbench.base.errors import InputError
 from workbench.studs import POINTS, TESTS, evaluate_d8, evaluate_groups, evaluate_series
-from workbench.studs.reading import read_text
+from workbench.studs.schema import read_text
 from workbench.studs.series import (
     LIMIT_DESIGN,
     TABLE_DESIGN,

@@ -11,9 +11,8 @@ import pytest
 from workbench.base.errors import InputError
 from workbench.studs import SHEAR_MODELS, TESTS, StrengthFit, fit_factors, fit_strength
 from workbench.studs.fit_protocol import plain
-from workbench.studs.quantities import specimens, undamaged_headed_studs
-from workbench.studs.reading import from_frame
-from workbench.studs.tables import identity_of
+from workbench.studs.schema import from_frame
+from workbench.studs.tables import identity_of, specimens, undamaged_headed_studs
 
 
 def campaigns_of(

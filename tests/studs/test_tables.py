@@ -13,8 +13,7 @@ from workbench.base.catalogue import dataset, load
 from workbench.base.errors import InputError
 from workbench.studs import check_tables, shipped
 from workbench.studs.load_slip import fit_load_slip
-from workbench.studs.quantities import specimens
-from workbench.studs.tables import SHIPPED
+from workbench.studs.tables import SHIPPED, specimens
 
 KILO = 1e3
 

@@ -12,8 +12,7 @@ from toy_models import Spring
 from workbench.responses import Outcome
 from workbench.scenarios import ColumnImpact
 from workbench.study import Case, Study
-from workbench.study.chooser import ranking_rows
-from workbench.study.matrix import errors_of
+from workbench.study.chooser import errors_of, ranking_rows
 from workbench.study.tables import numbers, table, texts
 
 COUNT, BOUND = 60, 14.0  # columns; velocity from which the soft model is 30 % too large

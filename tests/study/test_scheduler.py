@@ -33,6 +33,6 @@ def test_a_cluster_gives_the_same_bytes(
 def test_a_scheduler_that_is_not_there(
     toy_study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("workbench.study.executors.CONNECT_SECONDS", 0.5)
+    monkeypatch.setattr("workbench.study.runner.CONNECT_SECONDS", 0.5)
     with pytest.raises(InputError, match="does not answer"):
         run_study(toy_study, tmp_path, scheduler="tcp://127.0.0.1:1")

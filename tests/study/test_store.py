@@ -20,7 +20,8 @@ from workbench.base.errors import InputError
 from workbench.models.four_dof import FourDof
 from workbench.report.build import build_report
 from workbench.report.stored import Stored
-from workbench.responses import Outcome, Response, failed_response, provenance
+from workbench.responses import Outcome, Response, failed_response
+from workbench.responses.build import provenance
 from workbench.scenarios import ColumnImpact, Scenario
 from workbench.study import Case, State, Store, Study, assess, cells_of, run_study, survey
 from workbench.study.store import (

@@ -19,7 +19,7 @@ from workbench.report.page.terminal import render_text
 from workbench.report.stored import Stored
 from workbench.scenarios import ColumnImpact
 from workbench.study import Budget, Case, Store, Study, assess, cells_of, run_study
-from workbench.study.assessment.budget import TOTAL
+from workbench.study.assessment.gates import TOTAL
 from workbench.study.assessment.variations import RATED, STATIC
 
 

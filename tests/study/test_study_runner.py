@@ -14,7 +14,7 @@ from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import ColumnImpact
 from workbench.study import Case, State, Store, Study, cells_of, gather, run_study, survey
 from workbench.study.cells import task_of
-from workbench.study.executors import Workers
+from workbench.study.runner import Workers
 
 
 def with_models(study: Study, **models: object) -> Study:

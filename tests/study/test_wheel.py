@@ -13,7 +13,7 @@ BUILD = "import sys; from hatchling.build import build_wheel; print(build_wheel(
 LOOK = """
 import workbench
 from workbench.base.datafiles import data_directory
-from workbench.study.loading import load_study, study_files
+from workbench.study.store import load_study, study_files
 print(workbench.__file__, data_directory(), *sorted(study_files()), sep="\\n")
 assert len(load_study("drawn_rates").study.cases) > 0  # which imports another one
 """

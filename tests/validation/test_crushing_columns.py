@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from workbench.models.base import make_model
 from workbench.models.domain import euler_load, shear_demand
-from workbench.models.registry import make_model
 from workbench.scenarios import Column, ColumnImpact, Striker
 from workbench.steel.sections import find
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberShear
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.responses import outcome_of
 from workbench.steel.materials import CowperSymonds

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from workbench.models.four_dof import FourDof
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberReissner
 from workbench.steel.materials import MILD_STEEL, CowperSymonds
 from workbench.study import load_study
 

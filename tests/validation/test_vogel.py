@@ -15,7 +15,7 @@ from workbench.models import frame_model
 from workbench.models.fiber_frames import BoundingSurface, ModifiedTangentModulus
 from workbench.models.frame_model import FrameModel
 from workbench.models.hinged_frames import PlasticHinge, RefinedPlasticHinge
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberReissner
 from workbench.study import load_study
 
 CASES = {case.name: case.scenario for case in load_study("vogel_frames").study.cases}

@@ -15,8 +15,8 @@ import pytest
 
 from workbench.base.errors import InputError
 from workbench.mechanics.frames.structure import dead_loads
+from workbench.models.base import make_model
 from workbench.models.batch import simulate_many
-from workbench.models.registry import make_model
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.scenarios import (
     Column,

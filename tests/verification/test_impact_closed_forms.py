@@ -8,8 +8,7 @@ from verification_cases import AREA, E, hold, orders, steel_chain
 
 from workbench.mechanics.structures.explicit import explicit_impact
 from workbench.mechanics.structures.impact import PointMass, impact
-from workbench.models.references.fiber_corotational import FiberCorotational
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberCorotational, FiberReissner
 
 LENGTH, NODE = 2.0, 100.0
 

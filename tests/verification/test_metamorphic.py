@@ -12,8 +12,7 @@ from typing import Any
 import pytest
 from test_registered_models import model_of
 
-from workbench.models.base import Model
-from workbench.models.registry import model_kind, model_names
+from workbench.models.base import Model, model_kind, model_names
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import (
     Column,

@@ -20,12 +20,11 @@ import pytest
 from builders import portal
 from test_registered_models import model_of
 
-from workbench.api.summary import headline
+from workbench.api.accessor import headline
 from workbench.base.errors import InputError
 from workbench.extras.uncertainty.critical_velocity import Asked
 from workbench.models import frame_model
-from workbench.models.base import Model
-from workbench.models.registry import make_model, model_kind, model_names
+from workbench.models.base import Model, make_model, model_kind, model_names
 from workbench.responses import (
     Outcome,
     Response,

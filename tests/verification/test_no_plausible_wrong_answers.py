@@ -6,8 +6,7 @@ from itertools import product
 
 import pytest
 
-from workbench.models.references.fiber_corotational import FiberCorotational
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberCorotational, FiberReissner
 from workbench.responses import warnings_of
 
 MESHES = (None, 0.05, 0.1, 0.2, 0.4, 0.8)  # m

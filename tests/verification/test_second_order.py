@@ -11,7 +11,7 @@ from math import cos, sqrt, tan
 
 import pytest
 
-from workbench.models.references.fiber_corotational import FiberCorotational
+from workbench.models.references.fiber_beams import FiberCorotational
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.scenarios import Frame, FrameStatic, Load, Member, Node
 from workbench.steel.materials import Steel

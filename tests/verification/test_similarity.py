@@ -15,7 +15,7 @@ from builders import examples
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.models.registry import make_model, model_kind, model_names
+from workbench.models.base import make_model, model_kind, model_names
 from workbench.responses import Outcome, Response, outcome_of
 from workbench.scenarios import Column, ColumnImpact, Striker
 from workbench.steel.sections import i_section, square

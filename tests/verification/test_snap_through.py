@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from verification_cases import FORMULATIONS, NEVER, group, hold, orders, slender_chain
 
-from workbench.mechanics.structures.arc_length import follow_arc
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.fibers.section import LinearHardening
-from workbench.mechanics.structures.paths import push
+from workbench.mechanics.structures.paths import follow_arc, push
 
 
 def extremum(at: np.ndarray, values: np.ndarray, number: int) -> float:

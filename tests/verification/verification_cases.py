@@ -9,8 +9,7 @@ import numpy as np
 
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.fibers import BeamSection
-from workbench.mechanics.structures.fibers.beams import FiberBeams, ReissnerBeams
-from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.fibers.section import FiberBeams, LinearHardening, ReissnerBeams
 
 FORMULATIONS = ("reissner", "corotational")
 E, FY, SIDE, LAYERS, MASS = 210e9, 355e6, 0.2, 20, 314.0

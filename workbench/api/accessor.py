@@ -1,35 +1,253 @@
-"""Accessor ``response.workbench``: a response in words, with its findings as objects."""
+"""Accessor ``response.workbench``: a response in words, with its findings as objects.
+
+The answer in one sentence, as an object for ``--json``, as a row of a table, as HTML.
+"""
 
 from __future__ import annotations
 
+import json
 import tomllib
+from collections.abc import Mapping
 from functools import cached_property
+from html import escape
 from math import nan
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import pandas as pd
 import xarray as xr
 
-from workbench.api.summary import error_of, headline, html_of
 from workbench.base.errors import Collapse, InputError
 from workbench.base.fields import did_you_mean
-from workbench.report.page.formatting import in_unit
+from workbench.report.page.formatting import in_unit, number, unit_of
 from workbench.responses import (
+    ENERGIES,
     SCALARS,
     VARIABLES,
     Finding,
     Outcome,
     Response,
     collapse_of,
+    energy_error,
     findings_of,
     outcome_of,
+    places_of,
     scalars_of,
+    survives,
 )
-from workbench.scenarios import Scenario
+from workbench.responses.histories import INTEGRATORS, STUD_TESTS, largest_of
+from workbench.scenarios import FrameImpact, Scenario
 from workbench.scenarios.files import scenario_from
-from workbench.study.error_model.error_model import ExpectedError
+from workbench.scenarios.pulse import LIGHTEST
+from workbench.study.error_model.error_model import PEAK, UNMEASURED, ExpectedError
 
 if TYPE_CHECKING:
     from workbench.api.plots import Plots
+
+
+UPPER_BOUND = (  # no warning: it holds of most scenarios and says nothing about the model
+    "the striker is rigid; if it is a vehicle this is an upper bound, as its front crushes "
+    "(striker.stiffness or striker.crush)"
+)
+FORCE_UNMEASURED = (
+    "the error of the largest contact force was not measured; it hangs on the mass that a model "
+    "gives the hit point, and models that agree in displacement differ in it"
+)
+OPEN = "stands or not: the record ends before the peak"
+TABLED = (PEAK, "time_of_peak", "residual_displacement", "peak_force", "impulse")
+
+
+def headline(response: Response) -> str:
+    """The answer in one sentence: peak, interval of 90 % for the truth, fate, model and why."""
+    values, error = scalars_of(response), error_of(response)
+    parts = [fate_of(response)]
+    if PEAK in values:
+        parts.insert(0, f"{in_unit(values[PEAK], PEAK, 3)}{_interval(values[PEAK], error)}")
+    elif "force" in response:
+        force = largest_of(response["force"].to_numpy())
+        parts.insert(0, f"largest force {in_unit(force, 'force', 3)}")
+    elif values and fate_of(response) != OPEN:
+        name, value = next(iter(values.items()))
+        parts.insert(0, f"{VARIABLES[name].long_name} {in_unit(value, name, 3)}")
+    model, because = response.attrs["model"], response.attrs.get("because", "as asked")
+    parts.append(f"by {model}, {because}")
+    if any(each.subject == UNMEASURED for each in findings_of(response)):
+        parts.append("outside what was measured")
+    return "; ".join(filter(None, parts))
+
+
+def fate_of(response: Response) -> str:
+    """Fate of the structure, in words; empty where nothing is struck."""
+    collapse, known = collapse_of(response), survives(response)
+    if collapse is not None:
+        return f"collapses: {collapse.mechanism} ({', '.join(collapse.parts)})"
+    if not outcome_of(response).is_answer:
+        return f"no answer, {outcome_of(response).value}"
+    if known is None:
+        return OPEN
+    return "stands" if PEAK in response or "force" in response else ""
+
+
+def _interval(peak: float, error: ExpectedError) -> str:
+    """The interval of 90 %, and what is expected of an answer that lies outside of it.
+
+    Close to collapse it has a lower end alone.
+    """
+    if error.high is None:
+        return ""
+    factor = unit_of(PEAK).factor
+    if error.low is None:
+        least = in_unit(peak / (1.0 + error.high), PEAK, 3)
+        return f", at least {least}; {error.reason}"
+    ends = sorted(peak / (1.0 + share) * factor for share in (error.high, error.low))
+    least, most = (number(end, 3) for end in ends)
+    middle = ""
+    if error.expected is not None and not error.low <= 0.0 <= error.high:
+        middle = f"; expected {number(peak / (1.0 + error.expected) * factor, 3)}"
+    return f"{middle}, 90 %: {least} to {most}"
+
+
+def error_of(response: Response) -> ExpectedError:
+    """The error to expect of an answer; one without advice on it has none."""
+    stored = response.attrs.get("error")
+    if stored is None:
+        return ExpectedError("", reason="ask `workbench.simulate`, which adds the error to expect")
+    return ExpectedError(**json.loads(stored))
+
+
+class Rows(pd.DataFrame):
+    """A table of answers that prints all of its columns, in blocks where they are too many."""
+
+    def __repr__(self) -> str:
+        numbers: Any = {"na_rep": "", "float_format": "{:.4g}".format}
+        return str(self.to_string(index=False, line_width=100, **numbers))
+
+    @property
+    def _constructor(self) -> type[Rows]:
+        return Rows
+
+
+def compared(responses: Mapping[str, Response], reference: str = "") -> pd.DataFrame:
+    """A row per answer, SI; `error` is the peak over that of the `reference` less one."""
+    rows: list[dict[str, Any]] = []
+    for label, response in responses.items():
+        values = scalars_of(response)
+        warned = [each.subject for each in findings_of(response)]
+        rows.append(
+            {"model": label, "outcome": outcome_of(response).value}
+            | {name: values.get(name, float("nan")) for name in TABLED}
+            | {"wall_time": float(response.attrs["wall_time"]), "findings": ", ".join(warned)}
+        )
+    table = Rows(rows)
+    held = table.loc[table["model"] == reference, PEAK]
+    error = table[PEAK] / held.iloc[0] - 1.0 if len(held) else float("nan")
+    table.insert(3, "error", error)
+    return table
+
+
+def html_of(title: str, table: pd.DataFrame | Mapping[str, Any], text: str = "") -> str:
+    """HTML of a table, or of names and values, below a title and a sentence."""
+    if not isinstance(table, pd.DataFrame):
+        rows = [f"<tr><th>{escape(n)}</th><td>{escape(str(v))}</td></tr>" for n, v in table.items()]
+        body = f"<table>{''.join(rows)}</table>"
+    else:
+        body = table.to_html(index=False, na_rep="", float_format="{:.4g}".format, border=0)
+    sentence = f"<p>{escape(text)}</p>" if text else ""
+    return f"<div><b>{escape(title)}</b>{sentence}{body}</div>"
+
+
+def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
+    """A response as one JSON object; what the model cannot know is null."""
+
+    def last(name: str) -> float | None:
+        return float(response[name].to_numpy().flat[-1]) if name in response else None
+
+    def attribute(name: str) -> dict[str, Any] | None:  # that not all models have
+        text = response.attrs.get(name)
+        return None if text is None else dict(json.loads(text))
+
+    shear = None
+    if "shear_utilisation" in response:
+        series = response["shear_utilisation"].to_series()
+        shear = {str(segment): float(value) for segment, value in series.items()}
+    special = (*STUD_TESTS, *INTEGRATORS, "input_energy")
+    structural = [name for name in SCALARS if name not in special]
+    result: dict[str, Any] = {
+        "model": response.attrs["model"],
+        "headline": headline(response),
+        "outcome": response.attrs["outcome"],
+        "message": response.attrs["message"],
+        "collapse": attribute("collapse"),
+        **{name: last(name) for name in structural},
+        "places": places_of(response),
+        **_parts(response, scenario),
+        "rate_factor": response.attrs.get("rate_factor"),
+        "notes": _notes(scenario, last("peak_force") is not None) + _longer(response, scenario),
+        "error": attribute("error"),
+        "numerical_uncertainty": attribute("numerical_uncertainty"),
+        "refinement": attribute("refinement"),
+        "energies": {
+            **{name: last(name) for name in ENERGIES},
+            "input_energy": last("input_energy"),
+            "relative_balance_error": energy_error(response),
+        },
+        "shear_utilisation": shear,
+        "warnings": [f.as_dict() for f in findings_of(response) if not f.refusal],
+        "refusals": [f.as_dict() for f in findings_of(response) if f.refusal],
+        "wall_time": float(response.attrs["wall_time"]),
+        "provenance": {
+            **json.loads(response.attrs["provenance"]),
+            "model_version": int(response.attrs["model_version"]),
+            "options": json.loads(response.attrs["options"]),
+            "scenario": response.attrs["scenario"],
+            "scenario_hash": response.attrs["scenario_hash"],
+        },
+    }
+    if scenario.KIND == "stud-tests":
+        result |= {name: last(name) for name in STUD_TESTS}
+        result["answer"] = attribute("answer")
+    if scenario.KIND == "impact-problem":
+        result |= {name: last(name) for name in INTEGRATORS}
+    if scenario.STATIC:
+        for name in ("displacement", "force"):
+            result[name] = response[name].to_numpy().tolist() if name in response else None
+    return result
+
+
+def _notes(scenario: Scenario, has_force: bool) -> list[str]:
+    """Notes on an answer to a hit: a rigid vehicle, a contact force without an interval."""
+    striker = getattr(scenario, "striker", None)
+    if striker is None:
+        return []
+    rigid = striker.mass >= LIGHTEST and not striker.crushes
+    return [UPPER_BOUND] * rigid + [FORCE_UNMEASURED] * has_force
+
+
+def _longer(response: Response, scenario: Scenario) -> list[str]:
+    """Whether the record was made longer than the scenario has it."""
+    wanted = getattr(scenario, "duration", None)
+    end = 0.0 if "time" not in response else float(response["time"][-1])
+    if wanted is None or end < 1.5 * wanted:
+        return []
+    return [f"the record of {wanted:g} s ends before the peak, and was made {end:.3g} s long"]
+
+
+def _parts(response: Response, scenario: Scenario) -> dict[str, Any]:
+    """Extremes of hinges and storeys over the run, and the members that are struck."""
+    hinges: dict[str, dict[str, Any]] = {}
+    for name in ("axial_force", "moment", "plastic_rotation"):
+        for table in [response[name]] if name in response else []:
+            for hinge, row in zip(table["hinge"].to_numpy(), table.to_numpy() + 0.0, strict=True):
+                hinges.setdefault(str(hinge), {})[name] = [float(row.min()), float(row.max())]
+    drift = dict(response["drift"].to_series()) if "drift" in response else {}
+    struck: list[str] = []
+    if isinstance(scenario, FrameImpact):
+        members, node = scenario.frame.members, scenario.striker.node
+        struck = [member.name for member in members if node in (member.start, member.end)]
+    return {
+        "hinges": hinges or None,
+        "drift": {str(upright): float(value) for upright, value in drift.items()} or None,
+        "struck": struck,
+    }
 
 
 @xr.register_dataset_accessor("workbench")  # type: ignore[no-untyped-call]

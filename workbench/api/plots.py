@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 
 from workbench.base.errors import InputError
-from workbench.models.registry import make_model, model_names
+from workbench.models.base import make_model, model_names
 from workbench.report.drawing.sheet import Drawing, Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw

@@ -110,8 +110,8 @@ def _store(root: Path) -> Iterator[Check]:
 
 
 def _models() -> Iterator[Check]:
-    from workbench.models.registry import offers
-    from workbench.responses.provenance import DISTRIBUTION
+    from workbench.models.base import offers
+    from workbench.responses.build import DISTRIBUTION
 
     broken = [offer for offer in offers() if offer.kind is None]
     usable = len(offers()) - len(broken)
@@ -127,7 +127,7 @@ def _physics() -> Iterator[Check]:
     from math import sqrt
 
     from workbench.mechanics.frames.members import shear_stiffness
-    from workbench.models.registry import make_model
+    from workbench.models.base import make_model
     from workbench.responses import energy_error
     from workbench.scenarios import Column, ColumnImpact, Striker
     from workbench.steel.sections import find

@@ -161,8 +161,7 @@ def _read(
     """The rows that a question is asked of, and what was asked."""
     from workbench.base.datafiles import digest
     from workbench.base.tables import Reading
-    from workbench.studs.reading import examine
-    from workbench.studs.schema import POINTS, TESTS
+    from workbench.studs.schema import POINTS, TESTS, examine
     from workbench.studs.tables import joined, shipped
 
     schema = POINTS if question.on_curves else TESTS

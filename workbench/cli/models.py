@@ -22,9 +22,9 @@ from workbench.report.page.markdown import (
 )
 
 if TYPE_CHECKING:
-    from workbench.models.registry import Offer
+    from workbench.models.base import Offer
     from workbench.responses import Finding
-    from workbench.study.error_model.advice import Choice
+    from workbench.study.error_model.error_model import Choice
 
 
 @verb
@@ -33,7 +33,7 @@ def models(name: str = typer.Argument("", help="Show one model only, in full."))
 
     With a NAME: its assumptions, domain, options and sources.
     """
-    from workbench.models.registry import model_kind, offers
+    from workbench.models.base import model_kind, offers
 
     if name:
         model_kind(name)  # an unknown name is refused with the nearest one
@@ -52,9 +52,8 @@ def advise(scenario: ScenarioFile, settings: Settings = None) -> Answer:
 
     given = load_scenario(scenario, settings or [])
     from workbench.base.catalogue import DATA
-    from workbench.models.registry import offers
-    from workbench.study.error_model.advice import advise, choose
-    from workbench.study.error_model.error_model import PEAK, anchor_peak
+    from workbench.models.base import offers
+    from workbench.study.error_model.error_model import PEAK, advise, anchor_peak, choose
 
     kinds = [offer.kind for offer in offers() if offer.kind is not None]
     fitting = [kind for kind in kinds if given.KIND in kind.answers and kind.name not in DATA]

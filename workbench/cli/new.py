@@ -40,7 +40,7 @@ def striker(
     as_json: Json = False,
 ) -> Answer:
     """A vehicle of EN 1991-1-7, Table C.2, as the table [striker] of a scenario."""
-    from workbench.scenarios.traffic import TRAFFIC, VEHICLE_STIFFNESS, design_striker
+    from workbench.scenarios.pulse import TRAFFIC, VEHICLE_STIFFNESS, design_striker
 
     made = design_striker(traffic, distance, deceleration, angle)
     front = "# rigid, an upper bound: --crushing gives it the stiffness of a vehicle\n"
@@ -65,7 +65,7 @@ def missile(
 ) -> Answer:
     """The force of a missile that crushes at a rigid wall (Riera), as the table [pulse]."""
     from workbench.base.datafiles import open_input
-    from workbench.scenarios.load_histories import missile_of, missile_pulse
+    from workbench.scenarios.pulse import missile_of, missile_pulse
 
     with open_input(file, "missile") as stream:
         pulse = missile_pulse(missile_of(stream.read(), str(file)), velocity)
@@ -87,7 +87,7 @@ def near_fault(
     as_json: Json = False,
 ) -> Answer:
     """The ground near a fault (Mavroeidis and Papageorgiou), as the table [ground] of a frame."""
-    from workbench.scenarios.load_histories import near_fault_motion
+    from workbench.scenarios.pulse import near_fault_motion
 
     step, acceleration = near_fault_motion(amplitude, frequency, cycles, phase)
     text = f"[ground]\ntime_step = {step!r}\nacceleration = {_listed(acceleration)}\n"

@@ -8,12 +8,13 @@ from workbench.base.arrays import Array
 from workbench.base.fields import Choice, Number, checked
 from workbench.mechanics.frames.elastic import Spans, spans_to, time_to_peak, wave_times
 from workbench.mechanics.frames.members import spread_findings
-from workbench.mechanics.frames.structure import FrameStructure, stand_frame
-from workbench.mechanics.frames.superelements import (
+from workbench.mechanics.frames.structure import (
     FEWEST_LOADED,
+    FrameStructure,
     Piece,
     SuperelementMembers,
     joint_inertias,
+    stand_frame,
     struck_parts,
 )
 from workbench.mechanics.structures.elements import HingedElements

@@ -63,7 +63,7 @@ def can_stack(model: Any, scenario: Scenario) -> bool:
 def simulate_many(
     model: Model, scenarios: Sequence[Scenario], threads: int | None = None
 ) -> pd.DataFrame:
-    """Answer many scenarios with one model: a table, see `workbench.api.sweeps.simulate_many`.
+    """Answer many scenarios with one model: a table, see `workbench.api.answers.simulate_many`.
 
     A `Varied` builds its scenarios only where a row is asked alone.
     """

@@ -15,7 +15,7 @@ import numpy as np
 from workbench.base.errors import InputError, OutOfDomainError
 from workbench.base.fields import Choice, checked
 from workbench.mechanics.frames.column_estimate import HEADS, ColumnEstimate, estimate_column
-from workbench.mechanics.frames.column_line import HEAD_MASSES
+from workbench.mechanics.frames.elastic import HEAD_MASSES
 from workbench.models.base import Answering
 from workbench.models.domain import IMPLAUSIBLE, frame_findings
 from workbench.models.energy_estimate import EnergyEstimate

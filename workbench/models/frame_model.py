@@ -13,18 +13,21 @@ from workbench.base.arrays import Array
 from workbench.base.errors import SolverError
 from workbench.base.fields import Declared
 from workbench.mechanics.frames.elastic import Spans, linear_algebra
-from workbench.mechanics.frames.record import Record
-from workbench.mechanics.frames.runs import OPEN_LEDGER, run_driven, run_impact, run_static
+from workbench.mechanics.frames.runs import OPEN_LEDGER, Record, run_driven, run_impact, run_static
 from workbench.mechanics.frames.structure import FrameStructure
-from workbench.mechanics.structures.arc_length import follow_arc
 from workbench.mechanics.structures.assembly import PlanarAssembly
-from workbench.mechanics.structures.impact import impact
-from workbench.mechanics.structures.paths import PathStep, follow_displacement, follow_load
-from workbench.mechanics.structures.time_steps import (
+from workbench.mechanics.structures.impact import (
     PointMass,
     TimeStep,
     follow_force,
+    impact,
     rigid_displacement,
+)
+from workbench.mechanics.structures.paths import (
+    PathStep,
+    follow_arc,
+    follow_displacement,
+    follow_load,
 )
 from workbench.models.base import respond
 from workbench.models.domain import member_findings

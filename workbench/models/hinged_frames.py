@@ -16,8 +16,13 @@ import numpy as np
 from workbench.base.arrays import Array
 from workbench.base.fields import Choice, Flag, Number, checked
 from workbench.mechanics.frames.members import CALIBRATED, fiber_section, shear_stiffness
-from workbench.mechanics.frames.structure import FrameStructure
-from workbench.mechanics.frames.superelements import Piece, cut_members, joint_surface, series
+from workbench.mechanics.frames.structure import (
+    FrameStructure,
+    Piece,
+    cut_members,
+    joint_surface,
+    series,
+)
 from workbench.mechanics.structures.bars import (
     NO_INTERACTION,
     Bar,

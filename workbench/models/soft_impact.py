@@ -20,8 +20,7 @@ from workbench.base.arrays import Flags
 from workbench.base.compiled import njit, register_jitable
 from workbench.base.errors import CollapseError, SolverError
 from workbench.base.fields import Number, checked
-from workbench.mechanics.impact.contact import uncounted
-from workbench.mechanics.impact.crushing import UNLOADING, force_at
+from workbench.mechanics.impact.contact import UNLOADING, force_at, uncounted
 from workbench.mechanics.impact.integrator import (
     COLLAPSE,
     DONE,
@@ -29,11 +28,12 @@ from workbench.mechanics.impact.integrator import (
     PROGRESS,
     Model,
     begin,
+    follow,
+    law_of,
     march_of,
     no_flow,
 )
 from workbench.mechanics.impact.pace import Pace
-from workbench.mechanics.impact.records import follow, law_of
 from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN, Answers
 from workbench.models.domain import shear_warnings
 from workbench.models.hit_mass import with_hit_mass
@@ -41,12 +41,12 @@ from workbench.models.resistance import PANEL, OnCurve, ResistanceCurve, column_
 from workbench.models.resistance.kernels import unloading_stiffness
 from workbench.models.resistance.shapes import curve_of
 from workbench.models.single_dof import march as one_mass
-from workbench.models.single_dof.spring import spring_moved
+from workbench.models.single_dof.march import spring_moved
 from workbench.responses import Finding, Response, build_response, energy_error, finding
 from workbench.responses.histories import FORCE_WINDOW, open_share, unbalanced
 from workbench.responses.kernels import largest_window, signed_peak
 from workbench.scenarios import ColumnImpact, ColumnScenario
-from workbench.scenarios.traffic import VEHICLE_STIFFNESS
+from workbench.scenarios.pulse import VEHICLE_STIFFNESS
 from workbench.scenarios.varied import spread, take
 
 _STEPS_PER_PERIOD = 100  # of the highest frequency of both springs

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from workbench.mechanics.frames.column_estimate import column_like
-from workbench.mechanics.frames.superelements import joint_surface
+from workbench.mechanics.frames.structure import joint_surface
 from workbench.models.domain import mechanism_demand
 from workbench.responses import Finding, finding
 from workbench.scenarios import ColumnImpact, Frame, FrameImpact
 from workbench.steel.hinges import YieldSurface, has_shear_surface
-from workbench.steel.hinges.rate import (
+from workbench.steel.hinges.panel_elements import (
     bar_law,
     hinge_overstress,
     overstress_shape,

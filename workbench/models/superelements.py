@@ -25,8 +25,8 @@ from workbench.mechanics.frames.elastic import wave_times
 from workbench.mechanics.frames.members import named, shear_findings
 from workbench.mechanics.frames.runs import measure_impact, run_impact
 from workbench.mechanics.frames.struck import StruckNumbers, StruckRecord, strike
-from workbench.mechanics.frames.structure import FrameStructure
-from workbench.mechanics.frames.superelements import (
+from workbench.mechanics.frames.structure import (
+    FrameStructure,
     HingeSurfaces,
     Piece,
     curvature_shares,

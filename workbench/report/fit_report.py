@@ -14,7 +14,7 @@ import pandas as pd
 from workbench.base.errors import InputError
 from workbench.report.chapters.studs import Head, of_fit
 from workbench.report.drawing.sheet import Drawing, drawn
-from workbench.report.figures import plot_of, stud_tests
+from workbench.report.figures import plot_of, stud_figures
 from workbench.report.gallery import Plate, to_csv
 from workbench.report.page.documents import Document, render_html, render_pdf
 from workbench.report.page.formatting import brief, count
@@ -28,7 +28,7 @@ from workbench.report.page.markdown import (
     literal,
     paragraph,
 )
-from workbench.responses.provenance import provenance
+from workbench.responses.build import provenance
 from workbench.studs.fit_protocol import Tables
 from workbench.studs.schema import NO_PREDAMAGE, TESTS
 from workbench.study.definition import Figure
@@ -157,7 +157,12 @@ def _figures(tables: Tables) -> Iterator[Drawn]:
         panel = moved["of"].where(~several, moved["of"] + ", " + moved["answer"])
         panels = {str(name): rows for name, rows in moved.groupby(panel, sort=False)}
         caption = "Change of the answer when one test is left out, all else kept."
-        yield "influence", "Influence of single tests", caption, drawn(stud_tests.influence, panels)
+        yield (
+            "influence",
+            "Influence of single tests",
+            caption,
+            drawn(stud_figures.influence, panels),
+        )
 
 
 def _of(tables: Tables, name: str) -> Tables:

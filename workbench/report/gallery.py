@@ -13,7 +13,7 @@ import pandas as pd
 from matplotlib.figure import Figure as Canvas
 
 from workbench.base.errors import InputError
-from workbench.report.drawing.layout import frame_scenario_of
+from workbench.report.drawing.frame import frame_scenario_of
 from workbench.report.drawing.sheet import Drawing, Request
 from workbench.report.drawing.style import house_style, looks
 from workbench.report.figures import draw

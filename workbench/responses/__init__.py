@@ -12,6 +12,7 @@ from workbench.responses.build import findings_of as findings_of
 from workbench.responses.build import is_synthetic as is_synthetic
 from workbench.responses.build import outcome_of as outcome_of
 from workbench.responses.build import places_of as places_of
+from workbench.responses.build import provenance as provenance
 from workbench.responses.build import refusal_message as refusal_message
 from workbench.responses.build import refused_response as refused_response
 from workbench.responses.build import response_of as response_of
@@ -19,13 +20,12 @@ from workbench.responses.build import scalars_of as scalars_of
 from workbench.responses.build import set_findings as set_findings
 from workbench.responses.build import survives as survives
 from workbench.responses.build import warnings_of as warnings_of
+from workbench.responses.histories import ENERGIES as ENERGIES
+from workbench.responses.histories import SCALARS as SCALARS
+from workbench.responses.histories import VARIABLES as VARIABLES
 from workbench.responses.histories import open_share as open_share
 from workbench.responses.histories import peak_contact_force as peak_contact_force
 from workbench.responses.histories import peak_of as peak_of
 from workbench.responses.outcome import Finding as Finding
 from workbench.responses.outcome import Outcome as Outcome
 from workbench.responses.outcome import finding as finding
-from workbench.responses.provenance import provenance as provenance
-from workbench.responses.variables import ENERGIES as ENERGIES
-from workbench.responses.variables import SCALARS as SCALARS
-from workbench.responses.variables import VARIABLES as VARIABLES

@@ -1,8 +1,17 @@
-"""Building, checking and reducing responses (`xarray.Dataset` with the standard variables)."""
+"""Building, checking and reducing responses (`xarray.Dataset` with the standard variables).
 
+Where a number came from: versions, lock file, source state, kind of machine (no names).
+"""
+
+import hashlib
 import json
+import platform
+import subprocess
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
+from contextlib import suppress
+from functools import cache, lru_cache
+from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,9 +23,17 @@ from xarray.indexes import PandasIndex
 
 from workbench.base.arrays import Array
 from workbench.base.errors import Collapse, CollapseError, Mechanism, WorkbenchError
-from workbench.responses.histories import EXTREMES, NO_PEAK, implied, open_share
+from workbench.responses.histories import (
+    COORDINATES,
+    EXTREMES,
+    HISTORY,
+    NO_PEAK,
+    SCALARS,
+    VARIABLES,
+    implied,
+    open_share,
+)
 from workbench.responses.outcome import SYNTHETIC, Finding, Outcome
-from workbench.responses.variables import COORDINATES, HISTORY, SCALARS, VARIABLES
 
 Response = xr.Dataset
 _ATTRIBUTES = {name: one.attributes for name, one in COORDINATES.items()}
@@ -333,3 +350,42 @@ def energy_error(response: Response) -> float | None:
     stored = float(known["elastic"].to_numpy()[0]) if "elastic" in known else 0.0
     given = float(known["input_energy"].to_numpy())
     return open_share(known["balance_error"].to_numpy(), given, stored) if given else None
+
+
+DISTRIBUTION = "steel-impact-workbench"  # its name where packages are installed from
+_LIBRARIES = ("numpy", "scipy", "xarray", "numba")
+_ROOT = Path(__file__).resolve().parents[2]
+
+
+@cache
+def provenance() -> dict[str, str]:
+    """Versions, hash of the lock file, git commit, processor; never a host name or a path."""
+    record = {"workbench": metadata.version(DISTRIBUTION), "python": platform.python_version()}
+    for library in _LIBRARIES:
+        record[library] = metadata.version(library)
+    record["machine"] = f"{platform.system()} {platform.machine()}, {_processor()}"
+    lock = _ROOT / "requirements.lock"
+    if lock.is_file():
+        record["requirements_lock"] = hashlib.sha256(lock.read_bytes()).hexdigest()[:16]
+    commit = _git("rev-parse", "HEAD")
+    if commit and (_ROOT / ".git").exists():
+        dirty = bool(_git("status", "--porcelain", "--", "workbench", "data", "studies"))
+        record["commit"] = commit[:12] + ("+changes" if dirty else "")
+    return record
+
+
+def _processor() -> str:
+    with suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or "unknown processor"
+
+
+def _git(*arguments: str) -> str:
+    command = ["git", "-C", str(_ROOT), *arguments]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=10)
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout.strip() if done.returncode == 0 else ""

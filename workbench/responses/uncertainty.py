@@ -19,7 +19,7 @@ from workbench.base.errors import WorkbenchError
 from workbench.responses import uncertainty as numerical
 from workbench.responses.build import Response, check_response, collapse_of, findings_of
 from workbench.responses.convergence import SAFE, Ladder, ladder
-from workbench.responses.variables import COORDINATES, VARIABLES
+from workbench.responses.histories import COORDINATES, VARIABLES
 
 FINEST = "h"  # the run that is the answer
 FIBERS, STEPS = "fibers", "steps"

@@ -14,6 +14,7 @@ from workbench.scenarios.files import scenario_from as scenario_from
 from workbench.scenarios.files import scenario_hash as scenario_hash
 from workbench.scenarios.files import to_toml as to_toml
 from workbench.scenarios.frame import Frame as Frame
+from workbench.scenarios.frame import regular_frame as regular_frame
 from workbench.scenarios.frame_events import FrameGroundMotion as FrameGroundMotion
 from workbench.scenarios.frame_events import FrameImpact as FrameImpact
 from workbench.scenarios.frame_events import FramePulse as FramePulse
@@ -22,7 +23,6 @@ from workbench.scenarios.frame_events import FrameStriker as FrameStriker
 from workbench.scenarios.frame_events import cyclic_path as cyclic_path
 from workbench.scenarios.frame_events import frame_of as frame_of
 from workbench.scenarios.frame_events import frame_scenario as frame_scenario
-from workbench.scenarios.frame_forms import regular_frame as regular_frame
 from workbench.scenarios.parts import Joint as Joint
 from workbench.scenarios.parts import Load as Load
 from workbench.scenarios.parts import Member as Member

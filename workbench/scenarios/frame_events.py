@@ -18,8 +18,7 @@ from workbench.scenarios.column import (
     Impact,
     Striker,
 )
-from workbench.scenarios.frame import Frame
-from workbench.scenarios.frame_forms import FrameForm
+from workbench.scenarios.frame import Frame, FrameForm
 from workbench.scenarios.parts import COMPONENT, GRAVITY, NAME, OVERRIDES, Load, Member, Node
 from workbench.scenarios.pulse import UNIFORM, MemberPulse, Pulse
 

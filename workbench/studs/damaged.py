@@ -18,7 +18,6 @@ from workbench.base.errors import InputError
 from workbench.base.fields import Choice
 from workbench.responses import Finding, finding
 from workbench.studs.formulas import strength_formula
-from workbench.studs.quantities import Array, equal_studs, named, shank_area, specimens
 from workbench.studs.schema import (
     FATIGUE,
     HEADED,
@@ -32,6 +31,7 @@ from workbench.studs.schema import (
     TOTAL_TOLERANCE,
 )
 from workbench.studs.statistics.mixed import LEAST_CAMPAIGNS
+from workbench.studs.tables import Array, equal_studs, named, shank_area, specimens
 
 EXPONENT, STRESS, CYCLES = 8.0, 90.0, 2e6  # of the S-N line: m, tau_c (MPa), N_c
 LIKE_PEAK = 0.05  # by which P_max / P_u may differ between tests of one curve

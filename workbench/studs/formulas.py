@@ -21,7 +21,8 @@ from workbench.base.errors import InputError
 from workbench.base.fields import Choice
 from workbench.responses import Finding, finding
 from workbench.studs.fit_protocol import Fitted, fitted
-from workbench.studs.quantities import (
+from workbench.studs.statistics.mixed import Prediction, fit_robust, problem
+from workbench.studs.tables import (
     Array,
     Specimens,
     concrete_modulus,
@@ -30,7 +31,6 @@ from workbench.studs.quantities import (
     specimens,
     undamaged_headed_studs,
 )
-from workbench.studs.statistics.mixed import Prediction, fit_robust, problem
 
 LEAST_SLENDERNESS = 3.0  # height over diameter, EN 1994-1-1, 6.6.3.1
 STRENGTH_MARGIN = 8e6  # Pa, mean less characteristic concrete strength, EN 1992-1-1 table 3.1

@@ -26,11 +26,11 @@ from workbench.studs.fit_protocol import (
     judge,
     outlier_findings,
 )
-from workbench.studs.quantities import Array, equal_studs
 from workbench.studs.schema import NO_PREDAMAGE
 from workbench.studs.statistics.intervals import influence_of, without_each
 from workbench.studs.statistics.mixed import LEAST_CAMPAIGNS, fit_robust, problem
 from workbench.studs.suspicion import suspicions
+from workbench.studs.tables import Array, equal_studs
 
 EXPONENTS = (0.3, 30.0)  # 1: linear; below it damage adds up, far above it nothing interacts
 SHARES = np.linspace(0.0, 1.0, 41)  # of the tension resistance, at which the law is given

@@ -34,9 +34,8 @@ from workbench.studs.questions import (
     ResidualQuestion,
     StrengthQuestion,
 )
-from workbench.studs.reading import examine
 from workbench.studs.relations import MEASURES, MechanicalCurve, ResidualFit, fit_residual
-from workbench.studs.schema import POINTS, QUANTITIES, TESTS, USUAL
+from workbench.studs.schema import POINTS, QUANTITIES, TESTS, USUAL, examine
 from workbench.studs.series import evaluate_few, evaluate_groups
 from workbench.studs.strength_fit import VARIATIONS, fit_strength
 from workbench.studs.tables import own_rows, points_of, shipped, split_table

@@ -22,9 +22,7 @@ from workbench.scenarios.stud_tests import StudTests
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import Fit, Judgement, Tables, answer_tables, plain
 from workbench.studs.interaction import combined_tests
-from workbench.studs.quantities import undamaged_headed_studs
-from workbench.studs.reading import examine
-from workbench.studs.schema import POINTS, TESTS, Table
+from workbench.studs.schema import POINTS, TESTS, Table, examine
 from workbench.studs.tables import (
     campaigns_of,
     check_campaigns,
@@ -33,6 +31,7 @@ from workbench.studs.tables import (
     shipped,
     split_table,
     table_schemas,
+    undamaged_headed_studs,
 )
 
 

@@ -24,8 +24,8 @@ from numpy.typing import ArrayLike
 
 from workbench.base.errors import InputError
 from workbench.studs.damaged import damage_of, damaged_rows
-from workbench.studs.quantities import LIKE_CONCRETE, Array, undamaged_headed_studs
 from workbench.studs.schema import NO_PREDAMAGE, QUANTITIES
+from workbench.studs.tables import LIKE_CONCRETE, Array, undamaged_headed_studs
 
 CHARACTERISTIC = 0.95  # share of tests above the characteristic value
 TABLE_DESIGN = 0.999  # the probability that table D.2 follows

@@ -29,7 +29,6 @@ from workbench.studs.fit_protocol import (
     outlier_findings,
 )
 from workbench.studs.formulas import Formula, characteristic_strength, strength_formula
-from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.series import D8, evaluate_d8, sensitivities_of
 from workbench.studs.statistics.intervals import (
     LeftOut,
@@ -47,7 +46,14 @@ from workbench.studs.suspicion import (
     strength_findings,
     suspicions,
 )
-from workbench.studs.tables import RowIdentity, identity_of
+from workbench.studs.tables import (
+    Array,
+    RowIdentity,
+    Specimens,
+    identity_of,
+    specimens,
+    undamaged_headed_studs,
+)
 
 TRENDS = ("diameter", "concrete_strength", "concrete_modulus", "ultimate_strength", "slenderness")
 # coefficients of variation of structures to come: assumptions, to be replaced by one's own

@@ -15,17 +15,17 @@ from workbench.responses import Finding, finding
 from workbench.studs.damaged import damage_of, ratios
 from workbench.studs.fit_protocol import outlier_findings
 from workbench.studs.formulas import SHEAR_MODELS, Formula
-from workbench.studs.quantities import (
-    Specimens,
-    named,
-    profiled,
-    specimens,
-    undamaged_headed_studs,
-)
 from workbench.studs.schema import HEADED, LARGEST_GAIN, NO_PREDAMAGE, QUANTITIES
 from workbench.studs.series import LEAST_FOR_DESIGN
 from workbench.studs.statistics.mixed import Problem, fit, location
-from workbench.studs.tables import same_contents
+from workbench.studs.tables import (
+    Specimens,
+    named,
+    profiled,
+    same_contents,
+    specimens,
+    undamaged_headed_studs,
+)
 
 # median of test over the mean form of EN 1994-1-1 in a campaign: shipped ones have 0.9 and 1.2
 USUAL_RATIO = (0.5, 1.5)

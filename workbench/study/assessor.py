@@ -17,10 +17,20 @@ from workbench.responses import (
     findings_of,
     scalars_of,
 )
-from workbench.responses.variables import SCALARS, TIMES
+from workbench.responses.histories import SCALARS, TIMES
 from workbench.study.assessment.gates import GateVerdict, Verdict
-from workbench.study.cells import Cell, cells_of
-from workbench.study.chooser import RANKING_COLUMNS, error_tables, ranking_rows
+from workbench.study.cells import Cell, as_answered, cells_of
+from workbench.study.chooser import (
+    BIAS_COLUMNS,
+    COST_COLUMNS,
+    MATRIX_COLUMNS,
+    RANKING_COLUMNS,
+    bias_rows,
+    cost_rows,
+    error_tables,
+    matrix_rows,
+    ranking_rows,
+)
 from workbench.study.comparisons import (
     LADDER_COLUMNS,
     Answers,
@@ -29,15 +39,6 @@ from workbench.study.comparisons import (
     of_side,
 )
 from workbench.study.definition import Study, varied_case
-from workbench.study.manifest import as_answered
-from workbench.study.matrix import (
-    BIAS_COLUMNS,
-    COST_COLUMNS,
-    MATRIX_COLUMNS,
-    bias_rows,
-    cost_rows,
-    matrix_rows,
-)
 from workbench.study.store import NOT_RUN, Record, Store
 from workbench.study.tables import (
     Columns,

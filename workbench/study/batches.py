@@ -16,7 +16,7 @@ from workbench.models.batch import FAILURE, OUTCOME, can_stack, simulate_many
 from workbench.responses import SCALARS
 from workbench.scenarios import Scenario
 from workbench.scenarios.varied import Varied
-from workbench.study.executors import deaf_to_interrupts, end_with_parent
+from workbench.study.runner import deaf_to_interrupts, end_with_parent
 
 CHUNK, PARTS = 256, 8  # scenarios that a process answers at a time, at most; times that it is asked
 

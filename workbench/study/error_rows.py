@@ -15,9 +15,8 @@ from workbench.responses import Response, findings_of, outcome_of
 from workbench.scenarios import canonical
 from workbench.study.cells import cells_of
 from workbench.study.definition import Study
-from workbench.study.error_model.descriptors import variant_of
 from workbench.study.error_model.error_model import reached
-from workbench.study.error_model.error_table import FINEST, TRUTH, ErrorTable
+from workbench.study.error_model.error_table import FINEST, TRUTH, ErrorTable, variant_of
 from workbench.study.store import NOT_RUN, Store
 from workbench.study.tables import Row
 

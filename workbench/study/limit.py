@@ -18,7 +18,7 @@ from workbench.responses.histories import NO_PEAK, largest_of
 from workbench.scenarios import Scenario
 from workbench.scenarios.column import DURATION
 from workbench.scenarios.pulse import PEAK
-from workbench.study.error_model.advice import CLOSE, advise
+from workbench.study.error_model.error_model import CLOSE, advise
 
 PARTS = 8  # of the range, until a collapse is found
 SMALL = 1e-3  # of the range; values below it do not make the bracket narrower

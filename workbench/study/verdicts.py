@@ -19,8 +19,7 @@ from workbench.responses import (
     survives,
 )
 from workbench.study.assessment import METRICS
-from workbench.study.assessment.budget import PEAK
-from workbench.study.assessment.gates import CaseVerdict, Gate, GateVerdict, Verdict, judge
+from workbench.study.assessment.gates import PEAK, CaseVerdict, Gate, GateVerdict, Verdict, judge
 from workbench.study.comparisons import Answers, compare, of_side
 from workbench.study.definition import Study
 from workbench.study.tables import Row, counts, lists, numbers, texts

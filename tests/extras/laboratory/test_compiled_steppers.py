@@ -21,12 +21,11 @@ from workbench.extras.laboratory.systems import run
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.explicit import explicit_impact
 from workbench.mechanics.structures.fibers import BeamSection
-from workbench.mechanics.structures.fibers.beams import ReissnerBeams
-from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.fibers.section import LinearHardening, ReissnerBeams
 from workbench.mechanics.structures.impact import PointMass, impact
 from workbench.models.four_dof import FourDof
 from workbench.models.single_dof import SingleDof
-from workbench.models.single_dof import spring as kernels
+from workbench.models.single_dof import march as kernels
 from workbench.scenarios import ColumnImpact, Striker
 
 CLOSE = {"rtol": 0.0, "atol": 1e-10}

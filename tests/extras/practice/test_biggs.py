@@ -10,7 +10,7 @@ import pytest
 from workbench.extras.practice.biggs import Biggs
 from workbench.extras.practice.hand_estimate import mechanism_load
 from workbench.models.energy_estimate import energy_to_absorb
-from workbench.models.resistance.deflected_shape import Beam, beam_of, plastic_moment
+from workbench.models.resistance.shapes import Beam, beam_of, plastic_moment
 from workbench.responses import energy_error, warnings_of
 
 MID, THIRDS = (0.0, 0.5, 1.0), (0.0, 1 / 3, 0.5, 2 / 3, 1.0)

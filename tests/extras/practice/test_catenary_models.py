@@ -18,7 +18,7 @@ from workbench.mechanics.frames.members import shear_stiffness
 from workbench.models.energy_estimate import energy_to_absorb
 from workbench.models.resistance import axial_flexibility, mechanism_of, resistance_curve
 from workbench.models.resistance.curve import LINEAR
-from workbench.models.resistance.deflected_shape import beam_of
+from workbench.models.resistance.shapes import beam_of
 from workbench.scenarios import Column, ColumnImpact, Striker
 from workbench.steel.sections import find
 

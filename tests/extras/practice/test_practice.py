@@ -13,7 +13,7 @@ from workbench.extras.practice.hard_impact import HardImpact
 from workbench.models.single_dof import SingleDof
 from workbench.responses import Outcome, collapse_of, energy_error, outcome_of, warnings_of
 from workbench.scenarios import ColumnImpact
-from workbench.scenarios.traffic import FORCES, TRAFFIC, design_striker, velocity_after
+from workbench.scenarios.pulse import FORCES, TRAFFIC, design_striker, velocity_after
 
 # HEB 220 of the thesis, P = 0.5 MN: load (N) of the mechanism by the exact and the linear surface
 LOADS = {"none": 889.8e3, "section": 831.8e3, "linear": 747.8e3}

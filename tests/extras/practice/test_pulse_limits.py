@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.extras.practice.biggs import Biggs
-from workbench.models.registry import make_model
+from workbench.models.base import make_model
 from workbench.responses import Outcome, findings_of, outcome_of
 from workbench.scenarios import Column, MemberPulse, Pulse, scenario_from
 

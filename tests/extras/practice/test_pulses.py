@@ -12,16 +12,15 @@ from builders import portal
 from workbench.extras.practice.biggs import Biggs, dynamic_reactions
 from workbench.extras.practice.catenary import Izzuddin, TrilinearCatenary, YinWang
 from workbench.mechanics.frames.members import shear_stiffness
+from workbench.mechanics.impact.integrator import follow
 from workbench.mechanics.impact.pace import Pace
-from workbench.mechanics.impact.records import follow
 from workbench.models.base import Model
-from workbench.models.references.fiber_corotational import FiberCorotational
-from workbench.models.references.fiber_shear import FiberShear
+from workbench.models.references.fiber_beams import FiberCorotational, FiberShear
 from workbench.models.resistance import ResistanceCurve, mechanism_of
-from workbench.models.resistance.deflected_shape import Beam
 from workbench.models.resistance.kernels import PIECE
+from workbench.models.resistance.shapes import Beam
 from workbench.models.single_dof import SingleDof, march
-from workbench.models.single_dof.pulse import Pushed, no_striker, push, under_pulse
+from workbench.models.single_dof.model import Pushed, no_striker, push, under_pulse
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import Finding, Outcome, energy_error, outcome_of, warnings_of
 from workbench.scenarios import (
@@ -35,7 +34,7 @@ from workbench.scenarios import (
 )
 from workbench.scenarios.pulse import UNIFORM
 from workbench.steel.sections import find
-from workbench.study.error_model.advice import advise
+from workbench.study.error_model.error_model import advise
 from workbench.study.limit import pressure_impulse_curve
 
 MASS, STIFFNESS, STRENGTH = 200.0, 5e7, 5e5

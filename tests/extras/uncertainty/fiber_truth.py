@@ -18,7 +18,7 @@ from workbench.extras.uncertainty.critical_velocity import Limit, slopes_at
 from workbench.extras.uncertainty.inputs import uncertain_from_text
 from workbench.extras.uncertainty.sample_runs import Sampled, Setup, ratio_at
 from workbench.models.four_dof import FourDof
-from workbench.models.references.fiber_reissner import FiberReissner
+from workbench.models.references.fiber_beams import FiberReissner
 
 SAMPLES, SEED = 2048, 7
 TABLE = Path(__file__).with_name("fiber_truth.csv")

@@ -14,7 +14,7 @@ import pytest
 from builders import UNCERTAIN
 
 from workbench.cli import run
-from workbench.study.executors import DaskCluster
+from workbench.study.runner import DaskCluster
 
 distributed = pytest.importorskip("distributed")
 
@@ -27,7 +27,7 @@ def cluster(tmp_path_factory):
             n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
         ) as cluster,
     ):
-        patch.setattr("workbench.study.executors.WINDOW", 3)
+        patch.setattr("workbench.study.runner.WINDOW", 3)
         yield cluster
 
 

@@ -19,7 +19,7 @@ from workbench.extras.uncertainty.critical_velocity import (
     ratio_to_reference,
     slopes_at,
 )
-from workbench.models.registry import make_model
+from workbench.models.base import make_model
 from workbench.scenarios import Column, ColumnImpact, Striker
 
 ENDS = log(1.0), log(100.0)

@@ -27,8 +27,8 @@ from workbench.extras.uncertainty.fragility import fragility
 from workbench.extras.uncertainty.inputs import uncertain_from_text
 from workbench.extras.uncertainty.sample_runs import Sampled, Setup, Target
 from workbench.extras.uncertainty.verbs.fragility import pair_of
+from workbench.models.base import make_model
 from workbench.models.four_dof import FourDof
-from workbench.models.registry import make_model
 from workbench.responses.uncertainty import WIDTHS
 from workbench.scenarios import frame_scenario
 

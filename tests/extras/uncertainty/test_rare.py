@@ -17,7 +17,7 @@ from workbench.cli import run
 from workbench.extras.uncertainty.critical_velocity import Limit
 from workbench.extras.uncertainty.inputs import uncertain_from_text
 from workbench.extras.uncertainty.rare import Mixture, Struck, rare_probability
-from workbench.models.registry import make_model
+from workbench.models.base import make_model
 
 
 class Closed:

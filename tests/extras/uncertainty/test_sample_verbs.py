@@ -12,7 +12,7 @@ import xarray as xr
 from builders import UNCERTAIN
 
 from workbench.cli import run
-from workbench.models.registry import make_model
+from workbench.models.base import make_model
 from workbench.scenarios import load_scenario
 from workbench.study.store import locked
 

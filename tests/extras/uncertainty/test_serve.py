@@ -15,7 +15,7 @@ from waitress import wasyncore
 
 from workbench.cli import run
 from workbench.extras.uncertainty.verbs.serve import Server, Service
-from workbench.models.registry import make_model
+from workbench.models.base import make_model
 from workbench.scenarios import Column, ColumnImpact, Striker, to_toml
 
 SCENARIO = ColumnImpact(

@@ -20,8 +20,7 @@ from workbench.base.tables import FOUND_OUT, Reading, read_cells
 from workbench.extras.intake.conversion import Converted, convert
 from workbench.extras.intake.kinds import KINDS, Kind, kind_of, names_column, rows_of
 from workbench.extras.intake.mapping import Mapping, check_stated, read_mapping
-from workbench.studs.reading import Examination, examined
-from workbench.studs.schema import Table
+from workbench.studs.schema import Examination, Table, examined
 from workbench.study.store import locked, write_atomically
 from workbench.study.tables import for_spreadsheets
 

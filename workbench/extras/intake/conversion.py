@@ -16,8 +16,7 @@ from workbench.base.errors import InputError
 from workbench.base.fields import Number, did_you_mean
 from workbench.base.tables import Cells, text_of
 from workbench.extras.intake.mapping import Mapping
-from workbench.studs.reading import Problem, width_findings
-from workbench.studs.schema import EXTRA, Column, Table
+from workbench.studs.schema import EXTRA, Column, Problem, Table, width_findings
 
 _BRACKETS = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]+)[\])]")
 _PURE = {"": 1.0, "-": 1.0, "1": 1.0, "%": 0.01}  # units of what has no dimension

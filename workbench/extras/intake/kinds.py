@@ -16,8 +16,7 @@ from workbench.extras.intake.impact_tests import suspicion as of_impacts
 from workbench.extras.intake.mapping import Mapping
 from workbench.responses import Finding
 from workbench.studs import suspicion as of_studs
-from workbench.studs.reading import examine, examined
-from workbench.studs.schema import POINTS, TESTS, Table
+from workbench.studs.schema import POINTS, TESTS, Table, examine, examined
 from workbench.studs.tables import SHIPPED, same_contents
 
 

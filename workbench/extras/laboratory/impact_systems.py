@@ -11,9 +11,8 @@ from workbench.extras.laboratory.complementarity import Restitution
 from workbench.extras.laboratory.problems import Problem
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.fibers import BeamSection
-from workbench.mechanics.structures.fibers.beams import ReissnerBeams
-from workbench.mechanics.structures.fibers.section import LinearHardening
-from workbench.models.four_dof import FourDof, equations, statics
+from workbench.mechanics.structures.fibers.section import LinearHardening, ReissnerBeams
+from workbench.models.four_dof import FourDof, march, statics
 from workbench.models.four_dof.kinematics import BETA, U1, U2, V
 from workbench.scenarios import Column
 from workbench.steel.sections import find
@@ -75,7 +74,7 @@ class ColumnSystem(_Struck):
         self._work["q0"][:] = self._committed["q"][0]
         self._work["stress0"][:] = self._committed["stress"][0]
         trial = self._at(q1)
-        equations.mean_forces(self.column, trial, self._work)
+        march.mean_forces(self.column, trial, self._work)
         return np.append(self._work["mean"][_MOVING], 0.0), 0.5 * self._tangent()
 
     def commit(self, q: Array) -> None:

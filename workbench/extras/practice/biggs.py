@@ -19,15 +19,16 @@ from workbench.base.arrays import Array
 from workbench.base.errors import Collapse, CollapseError
 from workbench.base.errors import Mechanism as Fall
 from workbench.base.fields import checked
+from workbench.mechanics.impact.integrator import follow
 from workbench.mechanics.impact.pace import Pace
-from workbench.mechanics.impact.records import follow
 from workbench.models.energy_estimate import energy_to_absorb
 from workbench.models.hit_mass import light_impact_mass
 from workbench.models.resistance import Resistance, ResistanceCurve, mechanism_of
 from workbench.models.resistance import curve as events
-from workbench.models.resistance.columns import STAGES
+from workbench.models.resistance.columns import STAGES, digest, given_curve, is_given
 from workbench.models.resistance.curve import straight_pieces
-from workbench.models.resistance.deflected_shape import (
+from workbench.models.resistance.kernels import PIECE
+from workbench.models.resistance.shapes import (
     AXIAL,
     AXIAL_HELP,
     NONE,
@@ -35,10 +36,8 @@ from workbench.models.resistance.deflected_shape import (
     Stage,
     stages_of,
 )
-from workbench.models.resistance.given import digest, given_curve, is_given
-from workbench.models.resistance.kernels import PIECE
 from workbench.models.single_dof import SingleDof, march
-from workbench.models.single_dof.pulse import Pushed, no_striker, pulse_response, under_pulse
+from workbench.models.single_dof.model import Pushed, no_striker, pulse_response, under_pulse
 from workbench.responses import Finding, Response, finding, findings_of, set_findings
 from workbench.scenarios import Column, ColumnImpact, ColumnScenario, MemberPulse
 from workbench.scenarios.pulse import UNIFORM

@@ -20,9 +20,8 @@ from workbench.base.errors import OutOfDomainError
 from workbench.models.resistance import Mechanism, ResistanceCurve, mechanism_of
 from workbench.models.resistance import curve as events
 from workbench.models.resistance.curve import LINEAR
-from workbench.models.resistance.deflected_shape import beam_of
 from workbench.models.resistance.kernels import PIECE, falling_root
-from workbench.models.resistance.shapes import analytic, put, simplified_points
+from workbench.models.resistance.shapes import analytic, beam_of, put, simplified_points
 from workbench.models.single_dof import SingleDof
 from workbench.scenarios import Column
 

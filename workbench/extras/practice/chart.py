@@ -25,7 +25,7 @@ from workbench.cli.output import (
 from workbench.report.page.markdown import Table, paragraph
 
 if TYPE_CHECKING:
-    from workbench.report.drawing.charts import Line
+    from workbench.report.drawing.sheet import Line
 
 app = typer.Typer(help="Charts of what pulses do.", rich_markup_mode=None, no_args_is_help=False)
 Shape = Annotated[str, option("Shape of the pulse.")]
@@ -43,7 +43,7 @@ def ductility(shape: Shape = "triangular", figure: Picture = None) -> Answer:
     Computed for this call: the charts of UFC 3-340-02 for any shape.
     """
     from workbench.extras.practice.charts import ductility_chart, step_ductility
-    from workbench.report.drawing.charts import Line
+    from workbench.report.drawing.sheet import Line
 
     target = writable("--figure", figure, "svg")
     _shape(shape)
@@ -77,7 +77,7 @@ def iso_ductility(shape: Shape = "triangular", figure: Picture = None) -> Answer
     In units of its resistance R_m and of R_m / w; dotted, what an impulse and a step reach.
     """
     from workbench.extras.practice import charts
-    from workbench.report.drawing.charts import Line
+    from workbench.report.drawing.sheet import Line
 
     target = writable("--figure", figure, "svg")
     _shape(shape)
@@ -126,8 +126,8 @@ def pressure_impulse(
     For a scenario member-pulse or frame-pulse: its shape, at 1/30 to 30 times its length.
     """
     from workbench.base.fields import Number
-    from workbench.models.registry import make_model
-    from workbench.report.drawing.charts import Line
+    from workbench.models.base import make_model
+    from workbench.report.drawing.sheet import Line
     from workbench.scenarios import FramePulse, MemberPulse, load_scenario
     from workbench.scenarios.pulse import UNIFORM
     from workbench.study.limit import pressure_impulse_curve
@@ -182,7 +182,7 @@ def _shape(shape: str) -> None:
 def _draw(target: Path | None, lines: Mapping[str, Line], x: str, y: str) -> None:
     if target is None:
         return
-    from workbench.report.drawing.charts import chart
+    from workbench.report.drawing.sheet import chart
     from workbench.report.gallery import save
 
     save(chart(lines, x, y), target)

@@ -19,11 +19,11 @@ from scipy.optimize import brentq
 
 from workbench.base.arrays import Array
 from workbench.base.errors import SolverError
+from workbench.mechanics.impact.integrator import follow
 from workbench.mechanics.impact.pace import Pace
-from workbench.mechanics.impact.records import follow
 from workbench.models.resistance.kernels import PIECE, sum_up
 from workbench.models.single_dof import march
-from workbench.models.single_dof.pulse import no_striker, under_pulse
+from workbench.models.single_dof.model import no_striker, under_pulse
 from workbench.scenarios import Pulse
 
 _PERIOD = 1e-3  # s; any would do

@@ -18,7 +18,7 @@ from workbench.models.domain import member_findings
 from workbench.models.energy_estimate import energy_to_absorb, no_restitution, weights_of
 from workbench.models.resistance import ResistanceCurve, columns, mechanism_of
 from workbench.models.resistance.curve import straight_pieces
-from workbench.models.resistance.deflected_shape import AXIAL, AXIAL_HELP, SECTION, plastic_moment
+from workbench.models.resistance.shapes import AXIAL, AXIAL_HELP, SECTION, plastic_moment
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact
 

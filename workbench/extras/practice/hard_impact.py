@@ -16,11 +16,11 @@ from workbench.base.fields import Choice, Number, checked
 from workbench.extras.practice.hand_estimate import mechanism_load
 from workbench.models.base import Answering
 from workbench.models.resistance import RESISTANCES, column_curve, columns
-from workbench.models.resistance.deflected_shape import SECTION
-from workbench.models.single_dof.pulse import Pushed, push
+from workbench.models.resistance.shapes import SECTION
+from workbench.models.single_dof.model import Pushed, push
 from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import ColumnImpact, Pulse
-from workbench.scenarios.traffic import FORCES, VEHICLE_STIFFNESS
+from workbench.scenarios.pulse import FORCES, VEHICLE_STIFFNESS
 
 DYNAMIC, STATIC = "dynamic", "static"
 _RIGID = 0.1  # way of the structure over the crush of the striker, up to which it counts as rigid

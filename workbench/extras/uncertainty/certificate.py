@@ -34,9 +34,8 @@ from workbench.extras.uncertainty.fragility import (
 from workbench.extras.uncertainty.fragility_curve import LEVEL
 from workbench.extras.uncertainty.inputs import uncertain_from_text
 from workbench.extras.uncertainty.sample_runs import Finer, Setup, on_finer_mesh, ratio_at
-from workbench.models.base import on_one_mesh
-from workbench.models.registry import make_model
-from workbench.responses.provenance import provenance
+from workbench.models.base import make_model, on_one_mesh
+from workbench.responses.build import provenance
 from workbench.study.batches import Processes
 
 KIND, FORMAT = "fragility", 2

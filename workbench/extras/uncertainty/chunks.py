@@ -32,7 +32,7 @@ from workbench.models.batch import FAILURE, OUTCOME, can_stack
 from workbench.responses import SCALARS
 from workbench.study.batches import Processes
 from workbench.study.cells import ingredients_of, key_of
-from workbench.study.executors import DaskCluster
+from workbench.study.runner import DaskCluster
 from workbench.study.store import UNREADABLE, read_netcdf, to_netcdf_bytes, write_atomically
 
 STACKED, ALONE, BLOCK = 8192, 1000, 100  # rows of a chunk; of what a process answers at a time

@@ -21,8 +21,7 @@ from workbench.extras.uncertainty.fragility_curve import PROBABILITIES, Curve, r
 from workbench.extras.uncertainty.inputs import uncertain_from_text
 from workbench.extras.uncertainty.sample_runs import Setup
 from workbench.extras.uncertainty.scenario import UncertainImpact
-from workbench.models.base import Answering
-from workbench.models.registry import make_model
+from workbench.models.base import Answering, make_model
 from workbench.responses import Finding, Response, build_response
 from workbench.study.batches import Processes
 

@@ -29,8 +29,7 @@ from workbench.base.errors import (
     Mechanism,
     OutOfDomainError,
 )
-from workbench.mechanics.frames.column_line import column_line
-from workbench.mechanics.frames.elastic import dead_load_state
+from workbench.mechanics.frames.elastic import column_line, dead_load_state
 from workbench.mechanics.frames.members import chains, named
 from workbench.mechanics.frames.structure import (
     FrameStructure,

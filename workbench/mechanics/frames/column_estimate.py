@@ -15,13 +15,14 @@ from workbench.base.arrays import Array
 from workbench.base.errors import InputError, OutOfDomainError
 from workbench.mechanics.frames import out_of_domain
 from workbench.mechanics.frames.collapse import collapse_factor, collapse_mechanism
-from workbench.mechanics.frames.column_line import (
+from workbench.mechanics.frames.elastic import (
     HEAD_MASSES,
     ColumnLine,
+    ElasticFrame,
     column_line,
+    dead_load_state,
     mass_of_head,
 )
-from workbench.mechanics.frames.elastic import ElasticFrame, dead_load_state
 from workbench.mechanics.frames.structure import dead_loads
 from workbench.responses import Finding, finding
 from workbench.scenarios import (

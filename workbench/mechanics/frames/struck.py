@@ -11,9 +11,10 @@ import numpy as np
 
 from workbench.base.arrays import Array
 from workbench.mechanics.frames import collapse
-from workbench.mechanics.frames.record import Record, Snapshots
+from workbench.mechanics.frames.runs import Record, Snapshots
 from workbench.mechanics.frames.structure import FrameStructure
 from workbench.mechanics.impact.pace import NEARLY, Pace, late_peak
+from workbench.mechanics.structures.impact import PointMass, TimeStep
 from workbench.mechanics.structures.paths import PathStep
 from workbench.mechanics.structures.superelements import Superelements, SuperelementState
 from workbench.mechanics.structures.superelements.march import (
@@ -21,7 +22,6 @@ from workbench.mechanics.structures.superelements.march import (
     Records,
     follow_impact,
 )
-from workbench.mechanics.structures.time_steps import PointMass, TimeStep
 from workbench.responses.kernels import side_of
 from workbench.scenarios import FrameImpact
 

@@ -2,6 +2,10 @@
 
 Models differ in the elements of the members only. They hand these over with a reader of the
 members' states; everything else happens here.
+
+A scenario's frame as superelements: hinges and bars of every member, and what is read off.
+
+The element itself stands in `structures/superelements`, the two models in `models/superelements`.
 """
 
 from abc import ABC, abstractmethod
@@ -9,17 +13,22 @@ from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from itertools import pairwise
+from math import ceil, inf
 from typing import Any, Self, TypeVar
 
 import numpy as np
 
 from workbench.base.arrays import Array, Indices
 from workbench.mechanics.structures.assembly import COMPONENTS, PlanarAssembly
-from workbench.mechanics.structures.elements import ElementGroup
+from workbench.mechanics.structures.elements import ElementGroup, HingedElements
+from workbench.mechanics.structures.impact import rigid_displacement
 from workbench.mechanics.structures.paths import apply_loads
-from workbench.mechanics.structures.time_steps import rigid_displacement
-from workbench.scenarios import Frame, Load
-from workbench.scenarios.parts import COMPONENT
+from workbench.mechanics.structures.superelements import HingeEnd, Superelements
+from workbench.responses import Response, finding, findings_of, set_findings
+from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, Joint, Load, Member
+from workbench.scenarios.parts import COMPONENT, RIGID
+from workbench.steel.hinges import YieldSurface
 
 Whole = TypeVar("Whole")
 UPRIGHT = 1e-3  # run over rise of a member that counts as upright
@@ -306,3 +315,266 @@ def free_to_spin(frame: Frame) -> list[int]:
     """Numbers of nodes whose rotation nothing resists: every member there ends in a pin."""
     nodes = enumerate(frame.nodes)
     return [i for i, n in nodes if n.name not in frame.turned and n.spring_rotation == 0.0]
+
+
+HingeSurfaces = tuple[YieldSurface, YieldSurface]
+FEWEST_LOADED = 4  # elements of a member under a line load: 1 % of an elastic deflection
+_LONGEST = 5.0  # section heights, of an element of a struck member where none are asked for
+_NEIGHBOURS = 4  # elements of members that meet struck ones; one gives light hits 20 % too much
+_SHARED = 0.05  # of the energy, lost in a first collision with two elements
+_MOST_PARTS = 16
+_STRAIGHT = 1e-6  # N/m across a member that do not bend it
+_SOFT = 3.0  # % of axial flexibility that hinges add
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One of the equal parts into which a member is cut, as the maker of superelements sees it.
+
+    The `member`, of which it is number `index` of `parts`; `length` in m; elastic EA (N) and EI
+    (N m2); `joints` at its two ends (a rigid one inside the member); `pins`, rotational stiffness
+    of the joints or supports at its ends (N m/rad), zero also at a support that leaves the end
+    free to turn; mass (kg/m) and rotary
+    inertia (kg m) per length.
+    """
+
+    member: Member
+    index: int
+    parts: int
+    length: float
+    axial: float
+    bending: float
+    joints: tuple[Joint, Joint]
+    pins: tuple[float, float]
+    mass: float
+    rotary: float
+
+
+def series(*stiffnesses: float | None) -> float:
+    """Stiffness of springs in series; None is rigid."""
+    known = [k for k in stiffnesses if k is not None]
+    if 0.0 in known:
+        return 0.0
+    softness = sum(1.0 / k for k in known)
+    return 1.0 / softness if softness > 0.0 else inf
+
+
+def hinge_ends(
+    piece: Piece, surfaces: HingeSurfaces, axial: float, bending: tuple[float, float]
+) -> tuple[HingeEnd, HingeEnd]:
+    """Both hinges of a piece: `axial` stiffness (N/m) of each beside its joint, `bending` in all.
+
+    A free end that is no pin gets some stiffness, so that its node turns with the bar; it carries
+    no moment anyway.
+    """
+    ends = []
+    some = max(bending) or 6.0 * piece.bending / piece.length
+    for surface, joint, stiffness in zip(surfaces, piece.joints, bending, strict=True):
+        pinned = joint.rotational_stiffness == 0.0
+        turned = stiffness if pinned or stiffness > 0.0 else some
+        ends.append(HingeEnd(surface, series(axial, joint.axial_stiffness), turned))
+    return ends[0], ends[1]
+
+
+def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> tuple[int, ...]:
+    """Parts of every member where none are asked for: of struck ones a `multiple`.
+
+    Arguments: `far`, of members of a struck frame that are neither struck nor meet struck ones.
+
+    A node shares its velocity with a third of each bar beside it at once, of which the beam knows
+    nothing: in an inelastic hit that takes its share of the energy. Bars are at most `_LONGEST`,
+    and so short that two of them take some `_SHARED`, unless they were shorter than high. Beside
+    the force of a pulse there is no striker whose mass governs: the member swings in its own
+    modes, and bars are half as long. Joints at
+    the far ends of struck members turn against the inertia of what meets them there, which one bar
+    has at its ends alone: such members are `_NEIGHBOURS` bars. So do members beyond, by less: their
+    beam's own swinging needs a node between their ends. Members under line loads or their own
+    weight, which act at the ends of elements, are at least `FEWEST_LOADED`.
+    """
+    frame, counts = scenario.frame, (1,) * len(scenario.frame.members)
+    if isinstance(scenario, FrameImpact):
+        counts = _parts(frame, (scenario.striker.node,), scenario.striker.mass, multiple, far)
+    elif isinstance(scenario, FramePulse):
+        counts = _parts(frame, tuple(load.node for load in scenario.loads), inf, multiple, far)
+    several = multiple * ceil(FEWEST_LOADED / multiple)
+    pressed, (along_x, along_y) = getattr(scenario, "members", ()), frame.chords.T
+    x, y = (frame.line_loads + np.outer(frame.each("mass_per_length"), frame.gravity)).T
+    bent = np.abs(along_x * y - along_y * x) > _STRAIGHT * frame.lengths  # by their dead loads
+    loaded = bent | np.array([member.name in pressed for member in frame.members])
+    return tuple(np.maximum(counts, np.where(loaded, several, 1)).tolist())
+
+
+@lru_cache(maxsize=64)
+def _parts(
+    frame: Frame, nodes: tuple[str, ...], mass: float, multiple: int, far: int
+) -> tuple[int, ...]:
+    """Parts of each member of a frame whose nodes a `mass` (kg), or a pulse (infinite), hits."""
+    counts = [far] * len(frame.members)
+    at = np.isin(frame.ends, [frame.number[name] for name in nodes])
+    struck = at.any(axis=1)
+    beside = np.isin(frame.ends, frame.ends[struck][~at[struck]]).any(axis=1)
+    for number in np.flatnonzero(beside):
+        counts[number] = multiple * ceil(_NEIGHBOURS / multiple)
+    heights = _LONGEST if mass < inf else 0.5 * _LONGEST
+    for number in np.flatnonzero(struck):
+        member = frame.members[number]
+        height, per_length = member.section.height, frame.properties(member).mass_per_length
+        longest = min(heights * height, 1.5 * _SHARED * mass / per_length)
+        pairs = frame.length(member) / max(longest, height) / multiple
+        counts[number] = multiple * min(ceil(pairs - 1e-9), _MOST_PARTS // multiple)
+    return tuple(counts)
+
+
+def curvature_shares(parts: int) -> Array:
+    """Shares (parts, 2) of the length that each end of each of equal parts stands for.
+
+    Weights of Simpson's rule (of its 3/8 form for the first three of an odd number), split where
+    parts meet: the work of a moment that is straight along the member is exact.
+    """
+    shares = np.tile([[1.0, 2.0], [2.0, 1.0]], (parts // 2 + 1, 1))[:parts] / 3.0
+    if parts % 2:
+        shares = np.roll(shares, 1, axis=0)
+        shares[:3] = np.array([[3.0, 4.5], [4.5, 4.5], [4.5, 3.0]]) / 8.0
+    return shares / parts
+
+
+def cut_members(
+    frame: Frame, parts: Sequence[int]
+) -> tuple[Array, list[tuple[int, int]], list[Piece]]:
+    """Every member of a frame in so many equal `parts`.
+
+    Result: coordinates (nodes, 2) in m, those of the frame's nodes first; of every part, in the
+    order of the members, the numbers of its nodes, and the part.
+    """
+    points, nodes, pieces = _cut_members(frame.elastic, tuple(parts))
+    return points, list(nodes), list(pieces)
+
+
+@lru_cache(maxsize=64)
+def _cut_members(
+    frame: Frame, parts: tuple[int, ...]
+) -> tuple[Array, list[tuple[int, int]], list[Piece]]:
+    points = frame.points.tolist()
+    nodes: list[tuple[int, int]] = []
+    pieces: list[Piece] = []
+    for member, count, (first, last), chord in zip(
+        frame.members, parts, frame.ends.tolist(), frame.chords, strict=True
+    ):
+        nodes.extend(pairwise([first, *range(len(points), len(points) + count - 1), last]))
+        points.extend((frame.points[first] + chord * k / count).tolist() for k in range(1, count))
+        pieces.extend(_piece(frame, member, count, k) for k in range(count))
+    return np.array(points), nodes, pieces
+
+
+def joint_inertias(nodes: Sequence[tuple[int, int]], pieces: Sequence[Piece]) -> Array:
+    """Rotary inertia (nodes,) in kg m2 of the joints at the ends of pieces, by their nodes.
+
+    That of half a section depth of the heaviest bar there: its sections turn with the joint.
+    """
+    inertia = np.zeros(1 + max(max(ends) for ends in nodes))
+    for ends, piece in zip(nodes, pieces, strict=True):
+        half = 0.5 * piece.rotary * piece.member.section.height
+        np.maximum.at(inertia, list(ends), half)
+    return inertia
+
+
+def _piece(frame: Frame, member: Member, parts: int, index: int) -> Piece:
+    properties, modulus = frame.properties(member), frame.steel.elastic_modulus
+    joints, pins = [], []
+    for end, inside in zip(member.ends, (index > 0, index < parts - 1), strict=True):
+        joints.append(RIGID if inside else frame.joint(end.joint))
+        free = not inside and not (
+            frame.turns(end.node, (member.name,)) or "rotation" in frame.node(end.node).resisted
+        )
+        pins.append(0.0 if free else series(joints[-1].rotational_stiffness))
+    return Piece(
+        member=member,
+        index=index,
+        parts=parts,
+        length=frame.length(member) / parts,
+        axial=modulus * properties.area,
+        bending=modulus * properties.second_moment,
+        joints=(joints[0], joints[1]),
+        pins=(pins[0], pins[1]),
+        mass=properties.mass_per_length,
+        rotary=properties.mass_per_length * properties.second_moment / properties.area,
+    )
+
+
+def joint_surface(member: YieldSurface, joint: Joint) -> YieldSurface:
+    """The weaker of member and joint at each bound; linear where the joint is the weaker one.
+
+    A joint has no interaction curve of its own: EN 1993-1-8, 6.2.7.1(3) takes a straight line.
+    """
+    bounds = (*member.axial_bounds, *member.moment_bounds)
+    tension, compression, positive, negative = weaker = joint.weaker(bounds)
+    if weaker == bounds:
+        return member
+    return YieldSurface(
+        tension, positive, squash_load_compression=compression, plastic_moment_negative=negative
+    )
+
+
+def softened(response: Response, stiffness: float) -> Response:
+    """The response, with a warning where hinges `stiffness` times as stiff as bars soften it.
+
+    Of one in which nothing yields: they add 1 / n to the axial and, of several elements, 1 / 3n to
+    the bending flexibility, little beside what yields.
+    """
+    spent, brought = response["dissipated"].max(), response["external_work"].max()
+    share = 100.0 / stiffness
+    if share > _SOFT and float(spent) <= 1e-9 * float(brought):
+        soft = finding("elastic-hinges", share, stiffness=stiffness, bending=share / 3.0)
+        set_findings(response, [*findings_of(response), soft])
+    return response
+
+
+class SuperelementMembers(MemberReader):
+    """Reads the members of a frame off their superelements.
+
+    Arguments: the `group` of all elements, so many `parts` of every member in turn;
+    `coordinates` (nodes, 2) of the nodes in m.
+    """
+
+    elements: HingedElements
+
+    def __init__(self, group: HingedElements, coordinates: Array, parts: Sequence[int]) -> None:
+        super().__init__(group, np.concatenate([[0], np.cumsum(parts)]))
+        along = np.multiply.outer(parts, POINTS)  # of every member, where its shape is drawn
+        piece = np.minimum(along.astype(np.int64), np.array(parts)[:, None] - 1)
+        self._drawn: Indices = self.first[:-1, None] + piece
+        self._along: Array = along - piece
+        self._origin: Array = coordinates[group.nodes[self._drawn, 0]]
+
+    def plastic_rotations(self) -> Array:
+        """Plastic rotations (hinges,) by bending alone; of pins the whole rotation."""
+        return self._signs * self.elements.plastic[..., self._ends, 1 + 2 * self._side]
+
+    def plastic_shear(self) -> Array | None:
+        """Plastic shear of each member, the sum over its parts."""
+        group = self.elements
+        if not isinstance(group, Superelements) or not group.yields_in_shear.any():
+            return None
+        return np.asarray(np.add.reduceat(group.plastic_shear, self.first[:-1], axis=-1))
+
+    def utilisation(self) -> Array:
+        """Left side of the yield condition (hinges,)."""
+        return np.asarray(self.elements.utilisation()[..., self._ends, self._side])
+
+    def shear_forces(self) -> Array:
+        """Largest shear force of each member (members,), without sign."""
+        shear = np.abs(self.elements.shear_forces)
+        return np.asarray(np.maximum.reduceat(shear, self.first[:-1], axis=-1))
+
+    def unyielding_shear(self) -> Array:
+        """Shear force of each member (members,), mean along its equal parts; zero of panels."""
+        webs, parts = self.elements.yields_in_shear, np.diff(self.first)
+        if webs.all():
+            return np.zeros(len(parts))
+        shear = np.where(webs, 0.0, self.elements.shear_forces)
+        return np.asarray(np.abs(np.add.reduceat(shear, self.first[:-1], axis=-1)) / parts)
+
+    def shapes(self, assembly: PlanarAssembly) -> Array:
+        """Displaced positions (members, points, 2)."""
+        drawn = self.elements.shapes(assembly.displacement, self._drawn, self._along)
+        return np.asarray(self._origin + drawn)

@@ -20,11 +20,11 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from workbench.base.arrays import Array
 from workbench.base.errors import SolverError
 from workbench.mechanics.impact import contact
-from workbench.mechanics.impact.crushing import force_at
-from workbench.mechanics.impact.records import law_of
+from workbench.mechanics.impact.contact import force_at
+from workbench.mechanics.impact.integrator import law_of
 from workbench.mechanics.structures.elements import StepEnergies
 from workbench.mechanics.structures.equilibrium import Structure
-from workbench.mechanics.structures.time_steps import PointMass, TimeStep, check_count
+from workbench.mechanics.structures.impact import PointMass, TimeStep, check_count
 
 SAFETY = 0.9  # of the stability limit: yielding softens, but tension and contact stiffen
 LARGEST_ERROR = 0.02  # of the energy brought in; beyond it the step is taken to be unstable

@@ -12,10 +12,8 @@ import numpy as np
 from workbench.base.compiled import njit
 from workbench.mechanics.structures.kernels import copy, solve_four
 from workbench.models.four_dof import kinematics as geometry
-from workbench.models.four_dof.hinge_forces import hinge_forces
-from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
-from workbench.steel.hinges.flow_kernels import LAW, MOST
-from workbench.steel.hinges.kernels import newton_in_bracket
+from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V, hinge_forces
+from workbench.steel.hinges.kernels import LAW, MOST, newton_in_bracket
 from workbench.steel.hinges.panel_kernels import WEB
 
 OK, NO_CONVERGENCE, COLLAPSE = 0, 1, 2

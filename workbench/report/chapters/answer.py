@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
-from workbench.models.registry import model_names
+from workbench.models.base import model_names
 from workbench.report.chapters import choice, configuration, results, verdicts
 from workbench.report.chapters.budgets import budgets
 from workbench.report.chapters.choice import FAIR, Row
@@ -22,7 +22,7 @@ from workbench.report.page.markdown import (
 from workbench.report.page.page import Page
 from workbench.report.stored import BEST, CellState, Stored
 from workbench.responses import Finding
-from workbench.study.assessment.budget import PEAK, RESIDUAL
+from workbench.study.assessment.gates import PEAK, RESIDUAL
 from workbench.study.definition import Figure, Study
 
 GOOD = 0.05  # bound of what may be relied on

@@ -9,7 +9,7 @@ from workbench.report.page.formatting import in_unit, percent
 from workbench.report.page.markdown import Cell, Column, Markdown, Table
 from workbench.report.page.page import Page
 from workbench.report.stored import Stored
-from workbench.study.assessment.budget import COVERAGE, MODEL_FORM, NUMERICAL, PEAK, SUMS, TOTAL
+from workbench.study.assessment.gates import COVERAGE, MODEL_FORM, NUMERICAL, PEAK, SUMS, TOTAL
 
 Row = Mapping[str, Any]
 PAGE = Page(__file__)

@@ -9,13 +9,12 @@ from workbench.report.page.formatting import title_of
 from workbench.report.page.markdown import Markdown
 from workbench.report.page.page import Page
 from workbench.report.stored import Stored
-from workbench.study.assessment.budget import PEAK, RESIDUAL
+from workbench.study.assessment.gates import PEAK, RESIDUAL
 from workbench.study.assessor import ERROR
 from workbench.study.chooser import CORRECTED, SURE
 from workbench.study.definition import Study
-from workbench.study.error_model.descriptors import command_of
 from workbench.study.error_model.error_model import BEYOND, ExpectedError
-from workbench.study.error_model.error_table import ANCHOR
+from workbench.study.error_model.error_table import ANCHOR, command_of
 
 FAIR = 0.10  # bound of what may do
 SURELY = 0.05  # chance of as many pairs if two models were equal, from which one is better

@@ -7,17 +7,17 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from workbench.base.errors import OutOfDomainError
-from workbench.mechanics.frames.column_line import column_line
+from workbench.mechanics.frames.elastic import column_line
 from workbench.models.base import Model, options_of
-from workbench.report.drawing.layout import Layout
+from workbench.report.drawing.frame import Layout
 from workbench.report.page.bibliography import cited
 from workbench.report.page.formatting import brief, several
 from workbench.report.page.markdown import Markdown, listing
 from workbench.report.page.page import Page
 from workbench.report.stored import Stored
 from workbench.scenarios import ColumnImpact, Frame, FrameImpact, Striker, to_toml
+from workbench.study.cells import differences
 from workbench.study.definition import Case, Study
-from workbench.study.manifest import differences
 
 FORMS = 4  # of frames, that are all described
 _PRINTED = 60

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.base.errors import InputError
-from workbench.report.drawing.layout import displacement_unit, frame_scenario_of
+from workbench.report.drawing.frame import displacement_unit, frame_scenario_of
 from workbench.report.drawing.sheet import Absences, Array, Request
 from workbench.report.drawing.style import PALETTE
 from workbench.report.page.formatting import NO_BREAK, THIN, number

@@ -39,8 +39,7 @@ from matplotlib.ticker import MaxNLocator
 from workbench.report.chapters import answer, results
 from workbench.report.chapters.answer import GOOD, MatrixCell, matrix_rows, time_against
 from workbench.report.chapters.choice import FAIR
-from workbench.report.drawing.frame import DIRECTIONS
-from workbench.report.drawing.layout import frame_scenario_of
+from workbench.report.drawing.frame import DIRECTIONS, frame_scenario_of
 from workbench.report.drawing.shapes import REST, YIELDING, magnification, rest_lines
 from workbench.report.drawing.style import GRID, INK, INTERVAL, MUTED, looks
 from workbench.report.explorer.cells import (
@@ -60,8 +59,8 @@ from workbench.report.page.formatting import count
 from workbench.report.page.reading import callouts
 from workbench.report.stored import CellState, Stored
 from workbench.scenarios import FrameImpact
+from workbench.study.chooser import ALL, against_governing
 from workbench.study.definition import Case, Study
-from workbench.study.matrix import ALL, against_governing
 from workbench.study.tables import rows_of
 
 FILE = "explorer.html"

@@ -23,7 +23,7 @@ from workbench.report.stored import CellState
 from workbench.responses import Outcome, Response
 from workbench.responses.uncertainty import directions_of, estimate, uncertainty_of, variants
 from workbench.scenarios import ColumnImpact, FrameImpact
-from workbench.study.assessment.budget import PEAK, RESIDUAL
+from workbench.study.assessment.gates import PEAK, RESIDUAL
 from workbench.study.definition import DATA, Case
 
 MEDIAN = "velocity.at_50"  # of a fragility curve

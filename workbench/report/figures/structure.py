@@ -16,11 +16,20 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Canvas
 from matplotlib.transforms import Bbox
 
-from workbench.report.drawing.frame import TINTS, draw_actions, draw_frame, joint_mark, targets
-from workbench.report.drawing.layout import Layout, frame_scenario_of
+from workbench.report.drawing.frame import (
+    TINTS,
+    Layout,
+    cross_section,
+    dimension,
+    draw_actions,
+    draw_frame,
+    frame_scenario_of,
+    joint_mark,
+    note,
+    targets,
+)
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, first, nothing
 from workbench.report.drawing.style import MUTED, TEXT_WIDTH, Shown
-from workbench.report.drawing.symbols import cross_section, dimension, note
 from workbench.report.page.formatting import TIMES, brief
 from workbench.scenarios import Frame, FrameScenario
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from workbench.report.page.markdown import ABSENT, Cell
-from workbench.responses.variables import COORDINATES, VARIABLES
+from workbench.responses.histories import COORDINATES, VARIABLES
 from workbench.study.assessment import METRICS, Scope
 
 MINUS, TIMES, PLUS_MINUS = "\u2212", "\u00d7", "\u00b1"

@@ -20,7 +20,7 @@ from workbench.base.fields import Choice, Declared, Instance, Number, checked
 from workbench.steel.hinges import panel_kernels
 from workbench.steel.materials import Steel
 from workbench.steel.sections import CircularTube, ISection, Rectangle, RectangularTube, Section
-from workbench.steel.sections.envelope import superellipse_radius, where_it_ends
+from workbench.steel.sections.section import superellipse_radius, where_it_ends
 
 _STRENGTH = Number(0.0, 1e12, "", low_included=False)
 _EXPONENT = Number(

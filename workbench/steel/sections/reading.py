@@ -13,14 +13,14 @@ from workbench.base.datafiles import data_directory
 from workbench.base.errors import InputError
 from workbench.base.fields import Instance, check_keys
 from workbench.base.tables import records
-from workbench.steel.sections.section import Section
-from workbench.steel.sections.shapes import (
+from workbench.steel.sections.section import (
     DIMENSION,
     FILLET,
     CircularTube,
     ISection,
     Rectangle,
     RectangularTube,
+    Section,
     Shape,
 )
 

@@ -9,8 +9,7 @@ from typing import NamedTuple
 
 from workbench.base.errors import OutOfDomainError
 from workbench.steel.materials import Steel
-from workbench.steel.sections.section import Section
-from workbench.steel.sections.shapes import CircularTube, ISection, Rectangle
+from workbench.steel.sections.section import CircularTube, ISection, Rectangle, Section
 
 BENT, PRESSED, OUTSTAND = (72.0, 83.0, 124.0), (33.0, 38.0, 42.0), (9.0, 10.0, 14.0)  # by epsilon
 ROUND = (50.0, 70.0, 90.0)  # by epsilon squared

@@ -29,10 +29,15 @@ from workbench.studs.mechanical.structure import (
     Surroundings,
     stud_of,
 )
-from workbench.studs.quantities import Array, specimens, undamaged_headed_studs
 from workbench.studs.relations import MEASURES, MechanicalCurve
 from workbench.studs.schema import QUANTITIES
-from workbench.studs.tables import RowIdentity, identity_of
+from workbench.studs.tables import (
+    Array,
+    RowIdentity,
+    identity_of,
+    specimens,
+    undamaged_headed_studs,
+)
 
 DRIVEN = 240
 

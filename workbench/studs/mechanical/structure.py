@@ -28,18 +28,17 @@ from workbench.base.fields import Declared, Number, checked
 from workbench.mechanics.structures.assembly import PlanarAssembly, graded_lengths
 from workbench.mechanics.structures.elements import Bars, ElementGroup, Step, StepEnergies
 from workbench.mechanics.structures.fibers import BeamSection
-from workbench.mechanics.structures.fibers.beams import FiberBeams
-from workbench.mechanics.structures.fibers.section import LinearHardening
+from workbench.mechanics.structures.fibers.section import FiberBeams, LinearHardening
 from workbench.studs.formulas import SHEAR_MODELS
 from workbench.studs.mechanical import kernels
-from workbench.studs.quantities import (
+from workbench.studs.schema import HEADED, USUAL
+from workbench.studs.tables import (
     HEAD_DIAMETER,
     HEAD_HEIGHT,
     Array,
     concrete_modulus,
     specimens,
 )
-from workbench.studs.schema import HEADED, USUAL
 
 LENGTH = Number(1e-3, 1.0, "m", advice="lengths are in metres")
 STRESS = Number(1e6, 3e9, "Pa", advice="stresses are in Pa: 30 MPa is 30e6")

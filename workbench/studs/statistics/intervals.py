@@ -29,7 +29,6 @@ import pandas as pd
 
 from workbench.base.arrays import Flags
 from workbench.base.errors import InputError, SolverError
-from workbench.studs.quantities import Array
 from workbench.studs.statistics.mixed import (
     LEAST_CAMPAIGNS,
     NEW,
@@ -48,6 +47,7 @@ from workbench.studs.statistics.mixed import (
     subset,
     whiten,
 )
+from workbench.studs.tables import Array
 
 LEAST_FREEDOM = 1.0
 MOVED = 1.5  # times the variance of a parameter, from where on campaigns that differ move it

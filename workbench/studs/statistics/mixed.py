@@ -19,7 +19,7 @@ from workbench.base.arrays import Flags
 from workbench.base.arrays import Indices as Indices
 from workbench.base.errors import InputError, SolverError
 from workbench.base.fields import Choice
-from workbench.studs.quantities import Array
+from workbench.studs.tables import Array
 
 Prediction = Callable[[Array], Array]
 

@@ -22,7 +22,7 @@ from workbench.responses import Response, survives
 from workbench.responses.uncertainty import WIDTHS, uncertainty_of
 from workbench.scenarios import ColumnImpact
 from workbench.steel.materials import GRADES, CowperSymonds
-from workbench.study.assessment.budget import (
+from workbench.study.assessment.gates import (
     PEAK,
     RATE,
     REFERENCE,

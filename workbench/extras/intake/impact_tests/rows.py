@@ -17,8 +17,7 @@ import pandas as pd
 from workbench.base.catalogue import IMPACT_TESTS, SYNTHETIC, Dataset, dataset, datasets
 from workbench.base.errors import Collapse, InputError, Mechanism
 from workbench.scenarios import ColumnImpact, scenario_from, scenario_hash
-from workbench.studs.reading import examine
-from workbench.studs.schema import Row, RowFinding, Table, declared, known, templates_in
+from workbench.studs.schema import Row, RowFinding, Table, declared, examine, known, templates_in
 
 # measured quantities: response variable, column, and column of its half-width
 MEASURED = {

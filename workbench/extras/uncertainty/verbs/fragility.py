@@ -75,7 +75,7 @@ def fragility(
     from workbench.extras.uncertainty.fragility import fragility as run
     from workbench.extras.uncertainty.inputs import load_uncertain
     from workbench.extras.uncertainty.sample_runs import Setup, Target
-    from workbench.models.registry import make_model
+    from workbench.models.base import make_model
     from workbench.study.store import write_atomically
 
     target = writable("--out", out, "json", inputs=[scenario])
@@ -233,7 +233,7 @@ def struck(scenario: Any) -> Any:
 
 def pair_of(scenario: Any, model: str | None, reference: str | None) -> tuple[str, str]:
     """Reduced model and reference: of bending, or of webs that yield in shear."""
-    from workbench.models.registry import make_model
+    from workbench.models.base import make_model
 
     usual = ("flexible-superelement", "fiber-reissner")
     if scenario.KIND == "column-impact":

@@ -71,7 +71,7 @@ def sample(
     """
     from workbench.base.fields import Number
     from workbench.extras.uncertainty.chunks import Question, Span, answer_chunks
-    from workbench.models.registry import make_model
+    from workbench.models.base import make_model
     from workbench.study.store import locked, own_directory
 
     kept = out is not None and Path(out).suffix == _CHUNKS
@@ -186,7 +186,7 @@ def sensitivity(
         FEWEST_ROWS,
         sobol_indices,
     )
-    from workbench.models.registry import make_model
+    from workbench.models.base import make_model
 
     Number(FEWEST_ROWS, MOST_ROWS, integer=True).check("--samples", samples)
     uncertain = _uncertain(scenario, settings, seed)
@@ -255,7 +255,7 @@ def rare(
     from workbench.base.fields import Number
     from workbench.extras.uncertainty.critical_velocity import limit_of
     from workbench.extras.uncertainty.rare import Struck, rare_probability
-    from workbench.models.registry import make_model
+    from workbench.models.base import make_model
     from workbench.study.batches import Processes
 
     Number(0.01, 1.0).check("--cov", cov)

@@ -243,8 +243,7 @@ def serve(
     """
     from workbench.base.fields import Number
     from workbench.extras.uncertainty.verbs.fragility import pair_of
-    from workbench.models.base import on_one_mesh
-    from workbench.models.registry import make_model
+    from workbench.models.base import make_model, on_one_mesh
     from workbench.scenarios import load_scenario
 
     Number(0, 65535, integer=True).check("--port", port)

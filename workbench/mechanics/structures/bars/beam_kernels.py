@@ -29,7 +29,7 @@ import math
 import numpy as np
 
 from workbench.base.compiled import njit
-from workbench.mechanics.structures.corotation_kernels import add_element, deform
+from workbench.mechanics.structures.kernels import add_element, deform
 
 SMALL = 0.01  # of y; below it series
 SERIES_A = (1.0, 1.0 / 3.0, 2.0 / 15.0, 17.0 / 315.0, 62.0 / 2835.0, 1382.0 / 155925.0)

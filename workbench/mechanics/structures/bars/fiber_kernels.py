@@ -14,8 +14,8 @@ from workbench.mechanics.structures.bars.resultant_kernels import (
     resultant_energies,
     resultant_response,
 )
-from workbench.mechanics.structures.corotation_kernels import add_element, deform
 from workbench.mechanics.structures.fibers.kernels import section_energies, section_response
+from workbench.mechanics.structures.kernels import add_element, deform
 
 ITERATIONS = 200
 CUTS = 12

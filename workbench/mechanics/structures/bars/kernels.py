@@ -24,9 +24,9 @@ import numpy as np
 
 from workbench.base.compiled import njit
 from workbench.mechanics.structures.bars.beam_kernels import modes
-from workbench.mechanics.structures.corotation_kernels import add_element, deform
+from workbench.mechanics.structures.kernels import add_element, deform
 from workbench.steel.hinges.kernels import newton_in_bracket
-from workbench.steel.hinges.pair_kernels import End, moments_in_box
+from workbench.steel.hinges.panel_kernels import End, moments_in_box
 
 ITERATIONS = 60
 GRADUAL = 60  # iterations of gradual hinges

@@ -12,7 +12,7 @@ from workbench.base.arrays import Array, Flags
 from workbench.mechanics.structures.elements import Bars, HingedElements
 from workbench.mechanics.structures.superelements import kernels
 from workbench.steel.hinges import ShearSurface, YieldSurface
-from workbench.steel.hinges.flow_kernels import LAW, MOST, gauge
+from workbench.steel.hinges.kernels import LAW, MOST, gauge
 from workbench.steel.hinges.panel_kernels import WEB
 
 REGULARISATION = 1e-6  # share of elastic stiffness; below 1e-5 a frame's peak changes by < 0.1 %

@@ -15,24 +15,25 @@ from workbench.mechanics.impact.integrator import (
     PROGRESS,
     Model,
     begin,
+    check_end,
+    law_of,
     march_of,
 )
 from workbench.mechanics.impact.newton import Equations, newton_of
 from workbench.mechanics.impact.pace import Pace
-from workbench.mechanics.impact.records import check_end, law_of
 from workbench.mechanics.structures import kernels
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.elements import StepEnergies
+from workbench.mechanics.structures.impact import PointMass
 from workbench.mechanics.structures.kernels import copy, largest
 from workbench.mechanics.structures.superelements import kernels as elements
-from workbench.mechanics.structures.superelements import step_kernels as step
+from workbench.mechanics.structures.superelements import kernels as step
 from workbench.mechanics.structures.superelements.group import (
     Superelements,
     SuperelementState,
     scratch,
 )
-from workbench.mechanics.structures.superelements.step_kernels import Body, Motion, Work, dot
-from workbench.mechanics.structures.time_steps import PointMass
+from workbench.mechanics.structures.superelements.kernels import Body, Motion, Work, dot
 
 LONGER = 1.5  # times as long a step may be as the one before: with 2 peaks are ten times as far off
 CUT = 0.2  # least share of a repeated step: with 0.1 peaks of columns scatter a third wider

@@ -21,7 +21,7 @@ from workbench.base.arrays import Array, Flags, Indices
 from workbench.mechanics.structures.assembly import graded_lengths, halved
 from workbench.scenarios import Column
 from workbench.steel.sections import Section
-from workbench.steel.sections.shapes import half_integrals
+from workbench.steel.sections.section import half_integrals
 
 _ROWS = 4  # per height of the section, before refinement; a flange has at least one
 SMALLEST, LARGEST = 1.0 / 6.0, 1.0  # element lengths over the section's height

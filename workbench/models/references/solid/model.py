@@ -18,8 +18,8 @@ from workbench.base.fields import Declared, Number, checked
 from workbench.mechanics.frames.members import override_findings
 from workbench.mechanics.frames.runs import OPEN_LEDGER, resting
 from workbench.mechanics.structures.explicit import explicit_impact
+from workbench.mechanics.structures.impact import PointMass
 from workbench.mechanics.structures.paths import apply_loads, push
-from workbench.mechanics.structures.time_steps import PointMass
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
 from workbench.models.hit_mass import light_impact_mass
@@ -31,8 +31,12 @@ from workbench.models.references.refine import (
     check_levels,
     refined,
 )
-from workbench.models.references.solid.assembly import SolidAssembly, nodal_mass, solid_column
-from workbench.models.references.solid.material import SQUEEZED
+from workbench.models.references.solid.kernels import (
+    SQUEEZED,
+    SolidAssembly,
+    nodal_mass,
+    solid_column,
+)
 from workbench.responses import (
     Finding,
     Response,
