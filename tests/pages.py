@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from workbench.report.page.markdown import Cell
-from workbench.report.page.reading import Printer, Quote, Runs, Section, read, walk
+from workbench.report.page.reading import PageSection, Printer, Quote, Runs, read, walk
 
 _BACK = {"code": "`{}`", "cite": "[@{}]", "see": "[#{}]"}
 
@@ -29,7 +29,7 @@ class View:
     on_paper: bool = True
 
 
-def views(page: str | Section, kind: str = "") -> list[View]:
+def views(page: str | PageSection, kind: str = "") -> list[View]:
     """All blocks of a page, or of a section as it is read; of one `kind`."""
     blocks = read(page) if isinstance(page, str) else (page,)
     seen = [_Viewer().block(block) for block in walk(blocks)]
@@ -42,7 +42,7 @@ def text_of(runs: Runs) -> str:
 
 
 class _Viewer(Printer[View]):
-    def _section(self, section: Section, level: int) -> View:
+    def _section(self, section: PageSection, level: int) -> View:
         return View("section", section.key, title=text_of(section.title), folded=section.folded)
 
     def _paragraph(self, runs: Runs) -> View:

@@ -9,7 +9,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from workbench.api.answers import *  # noqa: F403  # noqa: F403
+    from workbench.api.answers import *  # noqa: F403
+    from workbench.api.sweeps import *  # noqa: F403
     from workbench.base.errors import *  # noqa: F403
     from workbench.models.base import *  # noqa: F403
     from workbench.scenarios import *  # noqa: F403
@@ -26,7 +27,7 @@ _PUBLIC = {  # room: names that it gives
         *("Frame", "Node", "Member", "Joint", "Load", "FrameStriker", "regular_frame"),
         *("FrameImpact", "FrameStatic", "FramePulse", "FrameGroundMotion", "StudTests"),
     ),
-    "models.registry": ("make_model", "model_names"),
+    "models.base": ("make_model", "model_names"),
     "study": ("Study", "Case", "Figure", "Gate", "Budget", "load_study", "run_study"),
     "api.sweeps": ("simulate_many", "sweep"),
     "api.answers": (

@@ -19,7 +19,7 @@ from workbench.cli import run
 from workbench.extras.intake.impact_tests.rows import IMPACTS
 from workbench.responses.histories import COORDINATES, VARIABLES
 from workbench.scenarios.files import KINDS
-from workbench.studs.schema import POINTS, TESTS, Table
+from workbench.studs.schema import POINTS, TESTS, TableSchema
 
 Row = tuple[str, ...]
 
@@ -101,7 +101,7 @@ def options() -> str:
     )
 
 
-def _columns(table: Table) -> str:
+def _columns(table: TableSchema) -> str:
     rows = (
         (
             f"`{each.name}`{' (must exist)' if each.filled else ''}",

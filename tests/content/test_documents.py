@@ -21,7 +21,7 @@ from workbench.report.page.documents import (
     typst_source,
 )
 from workbench.report.page.markdown import (
-    Column,
+    PageColumn,
     Picture,
     Table,
     bullets,
@@ -59,7 +59,7 @@ def test_runs_lose_nothing(text):
 
 
 def test_figures_and_tables_are_numbered_and_named_by_texts():
-    table = Table.of("values", "All values.", (Column("x", of=str),), "ab")
+    table = Table.of("values", "All values.", (PageColumn("x", of=str),), "ab")
     picture = Picture("plot", "A plot", "Seen.", "", "alt")
     text = paragraph("[#plot] and [#again] draw [#values], not [#nothing].")
     inner = section("inner", "Inner", picture, replace(picture, key="again"), level=2)
@@ -83,7 +83,7 @@ def document(text: str) -> Document:
     page = section(
         *("part", text, paragraph(text), bullets([text]), callout("bad", text)),
         *(definitions([(text, text)]), listing(text, text)),
-        Table.of(text, text, (Column(text, of=str),), [text]),
+        Table.of(text, text, (PageColumn(text, of=str),), [text]),
     )
     return Document(text, "", (text,), page)
 

@@ -8,7 +8,7 @@ from workbench.report.page.documents import Document, render_markdown
 from workbench.report.page.markdown import (
     ABSENT,
     Cell,
-    Column,
+    PageColumn,
     Picture,
     Table,
     bullets,
@@ -26,15 +26,15 @@ TABLE = Table.of(
     "numbers",
     "Values [@heng2017].",
     (
-        Column("name", of="name"),
-        Column(
+        PageColumn("name", of="name"),
+        PageColumn(
             "value",
             True,
             of=lambda r: (
                 None if r["value"] is None else Cell(f"{r['value']:.2f}", r["value"], "bad")
             ),
         ),
-        Column("count", True, of="count"),
+        PageColumn("count", True, of="count"),
     ),
     RECORDS,
 )
@@ -43,7 +43,7 @@ TABLE = Table.of(
 def test_a_table_of_records():
     assert TABLE.rows[0] == (Cell("a | b"), Cell("1.50", 1.5, "bad"), Cell("3", 3))
     assert TABLE.rows[1] == (Cell("c"), ABSENT, Cell("40", 40))
-    assert Table.of("k", "", (Column("x", of="text"),), [Cell("t")]).rows == ((Cell("t"),),)
+    assert Table.of("k", "", (PageColumn("x", of="text"),), [Cell("t")]).rows == ((Cell("t"),),)
 
 
 def test_the_terminal_gets_aligned_columns_and_no_line_of_a_pipe_is_broken():

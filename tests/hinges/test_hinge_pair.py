@@ -37,7 +37,7 @@ class Pair:
 
     def solve(self, elastic):
         forces, tangent, flow = np.empty(3), np.empty((3, 3)), np.empty(4)
-        pair = panel_kernels.Pair(self.flexibility, self.bounds, self.exponents, self.pinned)
+        pair = panel_kernels.HingePair(self.flexibility, self.bounds, self.exponents, self.pinned)
         branch = panel_kernels.project_pair(pair, np.array(elastic), forces, tangent, flow)
         return forces, tangent, flow.reshape(2, 2), branch
 

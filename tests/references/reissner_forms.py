@@ -20,7 +20,7 @@ from skfem import Basis, ElementLineP1, ElementVector, LinearForm, MeshLine
 from skfem.helpers import grad
 
 from workbench.base.arrays import Array
-from workbench.mechanics.structures.elements import Bars, Step
+from workbench.mechanics.structures.elements import Bars, StepRequest
 from workbench.mechanics.structures.fibers.section import ReissnerBeams
 from workbench.models.references.fiber_beams import FiberReissner
 
@@ -59,7 +59,7 @@ class ReissnerForms(ReissnerBeams):
         super().place(bars)
         self.basis = line_basis(bars.lengths)
 
-    def assemble(self, step: Step) -> None:
+    def assemble(self, step: StepRequest) -> None:
         """Add forces, and the kernel's tangent, of a step from the committed state."""
         super().assemble(step._replace(force=np.zeros_like(step.force)))
         basis, bars = self.basis, self.bars

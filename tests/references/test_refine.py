@@ -20,7 +20,7 @@ from workbench.responses.uncertainty import combined, directions_of, level_names
 from workbench.scenarios import ColumnPushover
 from workbench.study import Case, Study
 from workbench.study.assessment import METRICS
-from workbench.study.comparisons import Answers, compare, ladder_row
+from workbench.study.comparisons import CaseAnswers, compare, ladder_row
 from workbench.testing import check_model
 
 
@@ -261,10 +261,10 @@ def test_every_run_keeps_its_curve(push) -> None:
 MODELS = {"plain": Known(growth=0.4, levels=1), "refined": Known()}
 
 
-def answers(push, reference: str) -> Answers:
+def answers(push, reference: str) -> CaseAnswers:
     case = Case("push", push)
     study = Study("s", "s", "s", (case,), MODELS, reference, quantities=("input_energy",))
-    return Answers(study, case, tuple(MODELS), {n: m.simulate(push) for n, m in MODELS.items()})
+    return CaseAnswers(study, case, tuple(MODELS), {n: m.simulate(push) for n, m in MODELS.items()})
 
 
 def test_comparisons_use_the_width_of_a_refined_answer(push) -> None:

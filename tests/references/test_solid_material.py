@@ -16,8 +16,8 @@ from workbench.models.references.solid import kernels
 from workbench.models.references.solid.kernels import (
     SQUEEZED,
     Elements,
+    PointStates,
     SolidSteel,
-    State,
     Tensor,
     empty_state,
     respond,
@@ -189,7 +189,7 @@ def test_material_turned_inside_out_has_no_answer(F: list[float]) -> None:
     old, new = empty_state(elements), empty_state(elements)
     steel, force, none = SolidSteel(E, NU, FY, 0.0), np.zeros(6), np.empty((0, 6, 6))
     assert np.isnan(respond(elements, u, old, new, steel, force, none).stored)
-    assert isinstance(new, State)
+    assert isinstance(new, PointStates)
     assert not new.plastic.any()
 
 

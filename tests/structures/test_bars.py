@@ -21,7 +21,7 @@ from workbench.mechanics.structures.bars import (
     kernels,
 )
 from workbench.steel.hinges.interaction import polyline
-from workbench.steel.hinges.panel_kernels import Pair, project_pair
+from workbench.steel.hinges.panel_kernels import HingePair, project_pair
 
 LENGTH = 4.0
 YIELD = np.array([NP * LENGTH / EA, MP * LENGTH / (3.0 * EI), MP * LENGTH / (3.0 * EI)])
@@ -108,7 +108,7 @@ def test_linear_surface_equals_the_closest_point_projection_of_superelements() -
     rng = np.random.default_rng(2)
     flexibility = np.array([LENGTH / EA, LENGTH / (3 * EI), -LENGTH / (6 * EI), LENGTH / (3 * EI)])
     bounds = np.array([[NP, NP, MP, MP], [NP, NP, 0.5 * MP, 0.8 * MP]])
-    pair = Pair(flexibility, bounds, np.ones((2, 2)), np.zeros(2, dtype=bool))
+    pair = HingePair(flexibility, bounds, np.ones((2, 2)), np.zeros(2, dtype=bool))
     for _ in range(300):
         trial = YIELD * 10.0 ** rng.uniform(-1.0, 2.0) * rng.standard_normal(3)
         expected, k, flow = np.empty(3), np.empty((3, 3)), np.empty(4)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from superelement_cases import EA, EI, MP, NP, PLATES
 
 from workbench.mechanics.structures.bars import Bar, BarElements, PlasticEnd, hinged_bars
-from workbench.mechanics.structures.elements import Bars, Step
+from workbench.mechanics.structures.elements import Bars, StepRequest
 from workbench.steel.hinges.interaction import polyline
 
 LENGTH = 4.0
@@ -50,7 +50,7 @@ def test_energy_is_never_negative(
             at = start + (end - start) * k / 40
             force, band = np.zeros(6), np.zeros(18)
             before = start + (end - start) * (k - 1) / 40
-            element.assemble(Step(force, band, before, at, 1.0, False, 1.0, True))
+            element.assemble(StepRequest(force, band, before, at, 1.0, False, 1.0, True))
             energies = element.account(1.0)
             assert energies.ideal >= -1e-9 * MP * size
             assert energies.plastic + energies.algorithmic >= -1e-9 * MP * size
@@ -71,7 +71,7 @@ def test_worn_hinges_are_pins_in_the_end() -> None:
     element, start = bar(0.01), np.zeros(6)
     for k in range(400):
         end = np.array([0.0, 0.0, 0.1 if k % 2 else -0.1, 0.0, 0.0, 0.0])
-        element.assemble(Step(np.zeros(6), np.zeros(18), start, end, 1.0, False, 1.0, True))
+        element.assemble(StepRequest(np.zeros(6), np.zeros(18), start, end, 1.0, False, 1.0, True))
         element.commit()
         start = end
     assert element.strength_left[0, 0] == pytest.approx(1e-6)

@@ -7,7 +7,7 @@ import pytest
 
 from workbench.responses import Outcome
 from workbench.study import Study, cells_of
-from workbench.study.runner import Bar, Progress, progress_for
+from workbench.study.runner import Progress, ProgressBar, progress_for
 
 
 def test_the_estimate_weighs_labels_by_their_own_cost() -> None:
@@ -71,13 +71,13 @@ def test_a_bar_on_a_terminal_only() -> None:
         def isatty(self) -> bool:
             return True
 
-    assert isinstance(progress_for(Terminal(), {}), Bar)
+    assert isinstance(progress_for(Terminal(), {}), ProgressBar)
     assert type(progress_for(Terminal(), {"CI": "true"})) is Progress
     assert type(progress_for(io.StringIO(), {})) is Progress
 
 
 def test_the_bar_runs(toy_study: Study, capsys: pytest.CaptureFixture[str]) -> None:
-    bar = Bar()
+    bar = ProgressBar()
     cells = cells_of(toy_study)
     bar.begin("toy", cells, 0, 1)
     bar.note("a [note]")

@@ -52,7 +52,7 @@ from workbench.scenarios import (
 )
 from workbench.steel.sections import find
 from workbench.study.assessment import METRICS, bias_and_scatter
-from workbench.study.assessment.metric import Pair
+from workbench.study.assessment.metric import ResponsePair
 from workbench.study.error_model.error_model import ExpectedError
 
 CLOSE = 1e-6  # of the peak; measured: at most 6e-10, of fibers in hinges
@@ -197,7 +197,7 @@ def test_a_push_to_the_other_side_tells_its_largest_force() -> None:
 
 
 def test_errors_and_bias_of_negative_peaks_are_those_of_positive_ones() -> None:
-    one, other = (Pair(sign * 5.0, sign * 4.0, "peak_displacement") for sign in (1.0, -1.0))
+    one, other = (ResponsePair(sign * 5.0, sign * 4.0, "peak_displacement") for sign in (1.0, -1.0))
     for name in ("relative_error", "log_ratio"):
         assert METRICS[name].compute(one) == METRICS[name].compute(other) > 0.0
     model, data = np.array([5.0, 4.1, 3.0]), np.array([4.0, 4.0, 4.0])

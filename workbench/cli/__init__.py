@@ -76,8 +76,7 @@ def run(arguments: Sequence[str]) -> int:
 
 _VERBS: dict[str, tuple[str, ...]] = {  # by module; one with verbs of its own is an `app`
     "models": ("models", "advise"),
-    "simulate": ("simulate",),
-    "vary": ("limit", "sweep"),
+    "simulate": ("simulate", "limit", "sweep"),
     "studies": ("run", "status", "report", "validate"),
     "fit": (),
     "new": (),

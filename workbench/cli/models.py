@@ -24,7 +24,7 @@ from workbench.report.page.markdown import (
 if TYPE_CHECKING:
     from workbench.models.base import Offer
     from workbench.responses import Finding
-    from workbench.study.error_model.error_model import Choice
+    from workbench.study.error_model.error_model import ModelChoice
 
 
 @verb
@@ -77,7 +77,7 @@ def advise(scenario: ScenarioFile, settings: Settings = None) -> Answer:
 
 
 def _advice(
-    scenario: str, choice: Choice, best: float | None, findings: dict[str, list[Finding]]
+    scenario: str, choice: ModelChoice, best: float | None, findings: dict[str, list[Finding]]
 ) -> Iterator[Block]:
     from workbench.report.page.formatting import in_unit
     from workbench.study.error_model.error_model import PEAK

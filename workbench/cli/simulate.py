@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from workbench.responses import Response
     from workbench.scenarios import Scenario
     from workbench.study.assessment.variations import Budget
-    from workbench.study.limit import Limit, Trial
+    from workbench.study.limit import CriticalValue, SurvivalTrial
 
 
 _KIND = "numerical"  # what stands after ±
@@ -368,7 +368,7 @@ def sweep(
     if len(values) < len(pairs):
         raise InputError("--over", [key for key, _ in pairs], "must name each key once")
     given = load_scenario(scenario, settings or [])
-    from workbench.api.answers import sweep as swept
+    from workbench.api.sweeps import sweep as swept
 
     with at_work("the sweep at work"):
         how = Reading(sheet, sep, decimal)
@@ -490,7 +490,7 @@ def limit(
     texts = [VELOCITIES[i] if end is None else parse_value(end) for i, end in enumerate(given)]
     values = [float(each) if type(each) is int else each for each in texts]
     checked = [scenario_at(value) for value in values]  # both, before the work
-    from workbench.api.answers import unit_at
+    from workbench.api.sweeps import unit_at
     from workbench.models.base import make_model
     from workbench.study.error_model.error_model import choose
     from workbench.study.limit import find_limit
@@ -503,7 +503,7 @@ def limit(
         names = model or [choose(load_scenario(scenario, settings or [])).model]
         models = [make_model(each, pairs_of("--option", options)) for each in names]
 
-        def follow(trial: Trial) -> None:
+        def follow(trial: SurvivalTrial) -> None:
             say(f"{_text(trial.value, unit)}: {_ENDINGS[trial.survives].text}")
 
         bounds = (ends[0], ends[1])
@@ -531,7 +531,7 @@ def _in_si(over: str, value: Any, unit: str) -> float:
     return number
 
 
-def _meaning(limit: Limit, ends: tuple[float, ...], unit: str) -> str:
+def _meaning(limit: CriticalValue, ends: tuple[float, ...], unit: str) -> str:
     """Meaning of the bracket, in one sentence."""
     low, high = limit.survives_at, limit.collapses_at
     if high is None:
@@ -547,7 +547,7 @@ def _meaning(limit: Limit, ends: tuple[float, ...], unit: str) -> str:
 
 
 def _limits(
-    name: str, over: str, unit: str, limits: list[Limit], meanings: list[str]
+    name: str, over: str, unit: str, limits: list[CriticalValue], meanings: list[str]
 ) -> Iterator[Block]:
     yield paragraph(f"{name}: limit of {over}{unit and f' in {unit}'}")
     columns = {
@@ -580,7 +580,7 @@ def _value(value: float | None, unit: str) -> Cell | None:
     return None if value is None else Cell(_text(value, unit), value)
 
 
-def _how(trial: Trial) -> str:
+def _how(trial: SurvivalTrial) -> str:
     collapse: dict[str, Any] | None = trial.collapse
     if collapse is None:
         return "" if trial.survives else f"{trial.outcome}: {trial.message}"

@@ -35,7 +35,7 @@ CHUNK = 4096  # rows of a stack that a thread answers together, others that wait
 SURVIVES, UNKNOWN, COLLAPSES, LOST = range(4)  # codes of rows; of the last two models say how
 
 
-class Answers(NamedTuple):
+class BatchAnswers(NamedTuple):
     """Answers to a stack: `codes` (n,), `scalars` (n,) by name, NaN where there is none.
 
     And how row i has collapsed, `collapse(i)`. Rows of code UNKNOWN are asked one by one.
@@ -48,7 +48,7 @@ class Answers(NamedTuple):
     @classmethod
     def of(
         cls, codes: Indices, scalars: dict[str, Array], collapse: Callable[[int], CollapseError]
-    ) -> "Answers":
+    ) -> "BatchAnswers":
         """Answers by numbers that count only where the structure survives."""
         known = {name: np.where(codes == SURVIVES, each, np.nan) for name, each in scalars.items()}
         return cls(codes, known, collapse)
@@ -63,7 +63,7 @@ def can_stack(model: Any, scenario: Scenario) -> bool:
 def simulate_many(
     model: Model, scenarios: Sequence[Scenario], threads: int | None = None
 ) -> pd.DataFrame:
-    """Answer many scenarios with one model: a table, see `workbench.api.answers.simulate_many`.
+    """Answer many scenarios with one model: a table, see `workbench.api.sweeps.simulate_many`.
 
     A `Varied` builds its scenarios only where a row is asked alone.
     """
@@ -71,7 +71,7 @@ def simulate_many(
     table: dict[str, Array] = {}
     outcomes, failures = np.full(count, Outcome.OK.value, object), np.full(count, "", object)
 
-    def stacked(part: tuple[Indices, Any]) -> tuple[Indices, Answers]:
+    def stacked(part: tuple[Indices, Any]) -> tuple[Indices, BatchAnswers]:
         rows, stack = part
         refused = np.broadcast_to(alone.refused(stack), len(rows))  # type: ignore[attr-defined]
         solved = with_strain_rate(alone, stack)[0]

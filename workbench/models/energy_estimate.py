@@ -13,12 +13,12 @@ from workbench.base.arrays import Array, Flags, Indices
 from workbench.base.codec import set_inputs
 from workbench.base.compiled import njit
 from workbench.base.errors import CollapseError
-from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN, Answers
+from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN, BatchAnswers
 from workbench.models.hit_mass import with_hit_mass
 from workbench.models.resistance import OnCurve, column_curve, columns
 from workbench.models.resistance.columns import rows_of
 from workbench.models.resistance.kernels import displacement_at, residual, work_between
-from workbench.models.resistance.shapes import Rows, curve_of
+from workbench.models.resistance.shapes import MechanismRows, curve_of
 from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import ColumnImpact, ColumnScenario
 from workbench.scenarios.varied import spread, take
@@ -57,7 +57,7 @@ class EnergyEstimate(OnCurve):
         """Whether it answers such impacts in stacks."""
         return self.curve_stacks(scenario)
 
-    def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> Answers:
+    def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> BatchAnswers:
         """Answers to a stack of impacts, see `models.batch`; none of those that are `refused`."""
         count = len(refused)
         options = self.resistance, self.rotational_stiffness, self.interaction
@@ -74,7 +74,7 @@ class EnergyEstimate(OnCurve):
             column = take(scenario.column, i)
             return columns.fallen(column, bool(codes[i] == LOST), float(peak[i]))
 
-        return Answers.of(codes, values, collapse)
+        return BatchAnswers.of(codes, values, collapse)
 
     def _solve(self, scenario: ColumnImpact) -> Response:
         column = scenario.column
@@ -105,7 +105,7 @@ class EnergyEstimate(OnCurve):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def absorb(rows: Rows, energies: Array, codes: Indices, peaks: Array, left: Array) -> None:
+def absorb(rows: MechanismRows, energies: Array, codes: Indices, peaks: Array, left: Array) -> None:
     """Displacements (m) at which columns have absorbed `energies` (J), and what is left of them.
 
     Of one that collapses that of collapse. Arguments: `rows` of mechanisms; all others (n,).

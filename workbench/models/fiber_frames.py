@@ -26,7 +26,7 @@ from workbench.mechanics.frames.members import (
 from workbench.mechanics.structures.bars import (
     Bar,
     BarElements,
-    Rule,
+    Quadrature,
     fiber_bars,
     hinge_rule,
     lobatto_rule,
@@ -64,7 +64,7 @@ RESULTANTS = (
 
 
 def fiber_group(
-    model: "FiberBars", frame: Frame, cut: Cut, bars: list[Bar], rules: list[Rule]
+    model: "FiberBars", frame: Frame, cut: Cut, bars: list[Bar], rules: list[Quadrature]
 ) -> BarElements:
     """Elements with fibers at the points of their rules, which give the elastic stiffness too."""
     sections, elastic = [], []

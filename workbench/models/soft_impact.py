@@ -26,7 +26,7 @@ from workbench.mechanics.impact.integrator import (
     DONE,
     DRIVE,
     PROGRESS,
-    Model,
+    StepFunctions,
     begin,
     follow,
     law_of,
@@ -34,7 +34,7 @@ from workbench.mechanics.impact.integrator import (
     no_flow,
 )
 from workbench.mechanics.impact.pace import Pace
-from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN, Answers
+from workbench.models.batch import COLLAPSES, LOST, SURVIVES, UNKNOWN, BatchAnswers
 from workbench.models.domain import shear_warnings
 from workbench.models.hit_mass import with_hit_mass
 from workbench.models.resistance import PANEL, OnCurve, ResistanceCurve, column_curve, columns
@@ -112,7 +112,9 @@ def write(s, records, n):
     records[n].elastic += 0.5 * s.states[0].contact ** 2 / s.stiffness
 
 
-_march = march_of(Model(one_mass.hit, None, no_flow, accept, write, one_mass.lost, step=step))
+_march = march_of(
+    StepFunctions(one_mass.hit, None, no_flow, accept, write, one_mass.lost, step=step)
+)
 
 
 @njit(cache=True, error_model="numpy")
@@ -252,7 +254,7 @@ class SoftImpact(OnCurve):
         """Whether it answers such impacts in stacks."""
         return self.curve_stacks(scenario)
 
-    def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> Answers:
+    def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> BatchAnswers:
         """Answers to a stack of impacts, see `models.batch`; none of those that are `refused`."""
         count = len(refused)
         scenario = with_hit_mass(scenario, self.hit_mass)
@@ -272,7 +274,7 @@ class SoftImpact(OnCurve):
             v, time = map(float, numbers[i, :2])
             return columns.fallen(take(column, i), bool(codes[i] == LOST), v, time)
 
-        return Answers.of(codes, values, collapse)
+        return BatchAnswers.of(codes, values, collapse)
 
     def _solve(self, scenario: ColumnImpact) -> Response:
         started, weight = perf_counter(), scenario.dead_force

@@ -21,7 +21,7 @@ from workbench.report.page.formatting import brief, count
 from workbench.report.page.markdown import (
     ABSENT,
     Cell,
-    Column,
+    PageColumn,
     Picture,
     Table,
     definitions,
@@ -245,8 +245,8 @@ def _title(name: str) -> str:
     return name.removeprefix("x_").replace("_", " ")
 
 
-def _column(name: str, numeric: bool) -> Column:
-    return Column(_title(name), numeric, of=lambda row: _cell(row[name]))
+def _column(name: str, numeric: bool) -> PageColumn:
+    return PageColumn(_title(name), numeric, of=lambda row: _cell(row[name]))
 
 
 def _cell(value: Any) -> Cell:

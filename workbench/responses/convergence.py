@@ -25,7 +25,7 @@ LEAST = 0.5  # share of the expected order that a cautious estimate still relies
 
 
 @dataclass(frozen=True, slots=True)
-class Fit:
+class ConvergenceFit:
     """A fitted law: its `limit` at size zero, its value at the `finest` size, its order.
 
     `deviation`, the standard deviation of the values from it; `order` None where the exponents
@@ -40,7 +40,7 @@ class Fit:
 
 def best_law(
     values: Sequence[float], ratio: float, expected_order: float
-) -> tuple[Fit, float | None]:
+) -> tuple[ConvergenceFit, float | None]:
     """The law that counts for the `values` of four levels or more, coarse to fine.
 
     Arguments: each level is `ratio` times finer than the one before; `expected_order` q of the
@@ -67,7 +67,7 @@ def best_law(
     return min(fits, key=lambda fit: fit.deviation), order
 
 
-def _power_law(phi: Array, sizes: Array, weights: Array) -> Fit | None:
+def _power_law(phi: Array, sizes: Array, weights: Array) -> ConvergenceFit | None:
     """The best phi_0 + a h^p; None if no order within the searched range is best."""
 
     def deviation(exponent: float) -> float:
@@ -84,7 +84,9 @@ def _power_law(phi: Array, sizes: Array, weights: Array) -> Fit | None:
     return _fitted(phi, sizes, weights, np.array([float(best_fit.x)]), free=True)
 
 
-def _fitted(phi: Array, sizes: Array, weights: Array, exponents: Array, free: bool = False) -> Fit:
+def _fitted(
+    phi: Array, sizes: Array, weights: Array, exponents: Array, free: bool = False
+) -> ConvergenceFit:
     """phi_0 + sum a_k h^p_k by linear least squares; `free`: the exponent counts as fitted too."""
     root = np.sqrt(weights)
     terms = np.column_stack([np.ones_like(sizes), sizes[:, None] ** exponents])
@@ -92,7 +94,7 @@ def _fitted(phi: Array, sizes: Array, weights: Array, exponents: Array, free: bo
     fitted = terms @ solution
     unknowns = len(exponents) + 1 + int(free)
     variance = len(phi) * np.sum(weights * (phi - fitted) ** 2) / (len(phi) - unknowns)
-    return Fit(
+    return ConvergenceFit(
         float(solution[0]),
         float(fitted[-1]),
         float(np.sqrt(variance)),

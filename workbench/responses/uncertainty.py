@@ -54,7 +54,7 @@ class Direction:
 
 
 @dataclass(frozen=True, slots=True)
-class Estimate:
+class NumericalEstimate:
     """Estimate by several runs of the numerical uncertainty of one number of the answer.
 
     `width`, the half-width (None: unknown) in the unit of the number; `parts`, that of each
@@ -67,7 +67,7 @@ class Estimate:
     note: str
 
 
-def estimate(directions: Sequence[Direction], values: Mapping[str, float]) -> Estimate:
+def estimate(directions: Sequence[Direction], values: Mapping[str, float]) -> NumericalEstimate:
     """Half-width of a number from its `values` by run; a run without a value leaves it unknown."""
     parts: dict[str, float | None] = {}
     levels, missing = None, []
@@ -85,7 +85,7 @@ def estimate(directions: Sequence[Direction], values: Mapping[str, float]) -> Es
         note = f"no value of {', '.join(dict.fromkeys(missing))}: unknown"
     else:
         note = levels.note if levels is not None else "one mesh only: unknown"
-    return Estimate(combined(parts), parts, levels, note)
+    return NumericalEstimate(combined(parts), parts, levels, note)
 
 
 def combined(parts: Mapping[str, float | None]) -> float | None:

@@ -24,7 +24,7 @@ from workbench.studs.load_slip import GRID, LAWS, OllgaardLaw, fit_load_slip, ju
 from workbench.studs.mechanical import MechanicalFit, Stud, calibrate, interaction_points
 from workbench.studs.mechanical.calibration import complete_rows, predicted_curves
 from workbench.studs.mechanical.structure import LENGTH, STRESS
-from workbench.studs.model import RESIDUAL, Split, StudAnswer, StudModel, answer_of, load_split
+from workbench.studs.model import RESIDUAL, DataSplit, StudAnswer, StudModel, answer_of, load_split
 from workbench.studs.model import StudMeasured as StudMeasured
 from workbench.studs.relations import SOURCES
 from workbench.studs.schema import TESTS, USUAL
@@ -64,7 +64,7 @@ class StudStrength(StudModel):
         """Bibliography keys of the formula and of the statistics."""
         return (*FORMULAS[self.formula].keys, "en1990", "pinheiro-bates2000")
 
-    def find(self, scenario: StudTests, split: Split) -> StudAnswer:
+    def find(self, scenario: StudTests, split: DataSplit) -> StudAnswer:
         """The fit, and how the prediction meets the validating tests."""
         level, held = scenario.confidence, split.validation
         fit = fit_strength(split.calibration, self.formula, loss=self.loss, confidence=level)
@@ -107,7 +107,7 @@ class StudLoadSlip(StudModel):
         """Bibliography keys of the law and of the statistics."""
         return LAWS[self.law].keys + (() if self.published else ("pinheiro-bates2000",))
 
-    def find(self, scenario: StudTests, split: Split) -> StudAnswer:
+    def find(self, scenario: StudTests, split: DataSplit) -> StudAnswer:
         """The law with its band, the points, and how it meets the validating curves."""
         level, unseen = scenario.confidence, split.validation_points
         points = points_of(split.calibration_points, unseen)
@@ -158,7 +158,7 @@ class StudResidual(StudModel):
         "rupture strain), all at once, and is no confidence interval.",
     )
 
-    def find(self, scenario: StudTests, split: Split) -> StudAnswer:
+    def find(self, scenario: StudTests, split: DataSplit) -> StudAnswer:
         """The curve of what is left, its grade, and how it meets the validating tests."""
         quantity, level = RESIDUAL[scenario.asked], scenario.confidence
         predamage, measure = (None if w == ANY else w for w in (self.predamage, self.measure))
@@ -198,7 +198,7 @@ class StudSeries(StudModel):
         "cylinder strengths within 10 %.",
     )
 
-    def find(self, scenario: StudTests, split: Split) -> StudAnswer:
+    def find(self, scenario: StudTests, split: DataSplit) -> StudAnswer:
         """Every series of the calibrating tests, evaluated or refused with the reason."""
         series = evaluate_groups(
             split.calibration,
@@ -233,7 +233,7 @@ class StudMechanical(StudModel):
         "Friction, pressure under the head, cone and rupture strain are assumed, not calibrated.",
     )
 
-    def find(self, scenario: StudTests, split: Split) -> StudAnswer:
+    def find(self, scenario: StudTests, split: DataSplit) -> StudAnswer:
         """The calibration, and how the prediction meets the validating tests."""
         fit = calibrated(scenario)
         rows, judged = complete_rows(split.calibration), None
@@ -306,7 +306,7 @@ class StudInteraction(StudModel):
         """Bibliography keys of the law."""
         return () if self.law == MECHANICAL else INTERACTIONS[self.law].keys
 
-    def find(self, scenario: StudTests, split: Split) -> StudAnswer:
+    def find(self, scenario: StudTests, split: DataSplit) -> StudAnswer:
         """The curve of the law, and how it meets combined tests."""
         findings, stud = [], ""
         if self.law == MECHANICAL:

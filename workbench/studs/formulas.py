@@ -39,7 +39,7 @@ _ROUND = 1e-9  # bounds are quoted to few digits
 INF = np.inf
 
 
-class Limit(NamedTuple):
+class FormulaBound(NamedTuple):
     """A bound of a formula: of a quantity of tests (`over` another), `where` they stand."""
 
     of: str
@@ -82,7 +82,7 @@ class Formula:
     characteristic: bool = False
     deck_rule: str = ""
     load: str = "shear"
-    limits: tuple[Limit, ...] = ()
+    limits: tuple[FormulaBound, ...] = ()
 
     @property
     def formula(self) -> str:
@@ -178,7 +178,7 @@ class Formula:
 
 def _declared(load: str) -> dict[str, Formula]:
     declared = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-    limits = {name: Limit(**each) for name, each in declared["limits"].items()}
+    limits = {name: FormulaBound(**each) for name, each in declared["limits"].items()}
     formulas = {}
     for name, each in declared[load].items():
         fields = {k: tuple(v) if isinstance(v, list) else v for k, v in each.items()}

@@ -22,7 +22,7 @@ from workbench.scenarios.stud_tests import StudTests
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import Fit, Judgement, Tables, answer_tables, plain
 from workbench.studs.interaction import combined_tests
-from workbench.studs.schema import POINTS, TESTS, Table, examine
+from workbench.studs.schema import POINTS, TESTS, TableSchema, examine
 from workbench.studs.tables import (
     campaigns_of,
     check_campaigns,
@@ -36,7 +36,7 @@ from workbench.studs.tables import (
 
 
 @dataclass(frozen=True)
-class Split:
+class DataSplit:
     """Tests and load-slip points, those that `calibrate` and those that `validate`.
 
     Frames of the schemas `TESTS` and `POINTS`; without rows where the scenario names no table.
@@ -48,7 +48,7 @@ class Split:
     validation_points: pd.DataFrame
 
 
-def load_split(scenario: StudTests) -> Split:
+def load_split(scenario: StudTests) -> DataSplit:
     """The tables of a scenario, split by campaign.
 
     Raises `InputError` for a name that is no table of the schema, a bad row, a campaign that no
@@ -58,10 +58,10 @@ def load_split(scenario: StudTests) -> Split:
     check_campaigns((*scenario.calibrate, *scenario.validate), tests, points)
     parts = (split_table(each, scenario.calibrate, scenario.validate) for each in (tests, points))
     (calibration, validation), (calibration_points, validation_points) = parts
-    return Split(calibration, validation, calibration_points, validation_points)
+    return DataSplit(calibration, validation, calibration_points, validation_points)
 
 
-def _joined(names: Sequence[str], schema: Table) -> pd.DataFrame:
+def _joined(names: Sequence[str], schema: TableSchema) -> pd.DataFrame:
     tables = []
     for name in names:
         if name.endswith(FILES):
@@ -143,7 +143,7 @@ class StudModel(Answering):
         return [finding("question", name=self.name, asks=asks, question=question)]
 
     @abstractmethod
-    def find(self, scenario: StudTests, split: Split) -> StudAnswer:
+    def find(self, scenario: StudTests, split: DataSplit) -> StudAnswer:
         """Answer from the tests. Raises `InputError`, `OutOfDomainError`, `SolverError`."""
 
     def _solve(self, scenario: StudTests) -> Response:
@@ -196,7 +196,7 @@ class StudMeasured(StudModel):
         tables = ("stud-push-out", "stud-load-slip")
         return tuple(dict.fromkeys(key for name in tables for key in dataset(name).keys))
 
-    def find(self, scenario: StudTests, split: Split) -> StudAnswer:
+    def find(self, scenario: StudTests, split: DataSplit) -> StudAnswer:
         """The tests that validate, with the values that a perfect prediction would have."""
         question = scenario.asked
         fitted = _rows(question, split.calibration, split.calibration_points)

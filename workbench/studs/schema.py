@@ -43,7 +43,7 @@ RowFinding = tuple[str, object, str, str]  # column, value, reason, advice
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class TableColumn:
     """A column: its name with the unit, what it means, and the rule of its cells.
 
     `filled`: it must exist and no cell may be empty; `default` fills empty words and flags.
@@ -74,7 +74,7 @@ class Column:
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class TableSchema:
     """A kind of table: its columns, and the columns that together must not repeat (or none).
 
     `rules` gives the contradictions within a row whose single cells are in order; `complete` fills
@@ -82,7 +82,7 @@ class Table:
     """
 
     name: str
-    columns: tuple[Column, ...]
+    columns: tuple[TableColumn, ...]
     key: tuple[str, ...] = ()
     rules: Callable[[Row], Iterator[RowFinding]] = lambda row: iter(())
     complete: Callable[[Row], Iterable[str]] = lambda row: ()
@@ -93,7 +93,7 @@ class Table:
         """Names of the columns."""
         return tuple(column.name for column in self.columns)
 
-    def column(self, name: str) -> Column:
+    def column(self, name: str) -> TableColumn:
         """The column of this name."""
         return self.columns[self.names.index(name)]
 
@@ -103,10 +103,10 @@ class Table:
         return rule.words if isinstance(rule, Choice) else ()
 
 
-def declared(table: str, path: Path) -> tuple[Column, ...]:
+def declared(table: str, path: Path) -> tuple[TableColumn, ...]:
     """The columns of a table that a file such as ``columns.csv`` declares."""
     return tuple(
-        Column(row["name"], row["meaning"], _rule(row), row["needed"] == "yes", row["default"])
+        TableColumn(row["name"], row["meaning"], _rule(row), row["needed"] == "yes", row["default"])
         for row in records(path.read_text(encoding="utf-8"))
         if row["table"] == table
     )
@@ -259,7 +259,7 @@ def _predamage(row: Row) -> Iterator[RowFinding]:
 
 
 _COLUMNS = Path(__file__).with_name("columns.csv")
-TESTS = Table(
+TESTS = TableSchema(
     "tests",
     declared("tests", _COLUMNS),
     ("campaign", "specimen"),
@@ -267,7 +267,7 @@ TESTS = Table(
     _shear_of_total,
     USUAL,
 )
-POINTS = Table("points", declared("points", _COLUMNS))
+POINTS = TableSchema("points", declared("points", _COLUMNS))
 
 
 # -- commented templates of tables: what to fill in, what it means, and an example that runs -------
@@ -282,7 +282,7 @@ class Template(NamedTuple):
     """
 
     title: str
-    schema: Table
+    schema: TableSchema
     columns: tuple[str, ...]
     more: tuple[str, ...]
     verb: str
@@ -318,7 +318,7 @@ class Template(NamedTuple):
         yield from (f"    {row}" for row in self.rows)
 
 
-def templates_in(path: Path, *schemas: Table) -> dict[str, Template]:
+def templates_in(path: Path, *schemas: TableSchema) -> dict[str, Template]:
     """The templates that a file such as ``templates.toml`` declares, by their kinds."""
     named = {schema.name: schema for schema in schemas}
 
@@ -354,7 +354,7 @@ _SHOWN = 5  # problems that one message lists by line
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
+class CellProblem:
     """Problem with one cell or row: `line` of the file (1 is the header), `column` or ''."""
 
     file: str
@@ -384,7 +384,7 @@ class Examination:
     """
 
     rows: pd.DataFrame
-    problems: tuple[Problem, ...]
+    problems: tuple[CellProblem, ...]
     notes: tuple[str, ...] = ()
 
     def accept(self) -> pd.DataFrame:
@@ -406,17 +406,17 @@ def read_tests(path: str | Path, *, keep_good: bool = False) -> pd.DataFrame:
     return examination.rows if keep_good else examination.accept()
 
 
-def read_text(text: str, table: Table, name: str = "table") -> Examination:
+def read_text(text: str, table: TableSchema, name: str = "table") -> Examination:
     """Examine a table given as text as the workbench writes it (see `examine`)."""
     return examined(cells_of(text.encode(), name, table.names.__contains__, PLAIN), table)
 
 
-def from_frame(frame: pd.DataFrame, table: Table, name: str = "table") -> pd.DataFrame:
+def from_frame(frame: pd.DataFrame, table: TableSchema, name: str = "table") -> pd.DataFrame:
     """A data frame made elsewhere, checked and completed by a schema (see `read_tests`)."""
     return read_text(frame.to_csv(index=False), table, name).accept()
 
 
-def examine(path: str | Path, table: Table, how: Reading = FOUND_OUT) -> Examination:
+def examine(path: str | Path, table: TableSchema, how: Reading = FOUND_OUT) -> Examination:
     """Read a table row by row, separating good rows from problems.
 
     Raises `InputError` when no row can be read at all, as of large files, which are not read.
@@ -424,15 +424,15 @@ def examine(path: str | Path, table: Table, how: Reading = FOUND_OUT) -> Examina
     return examined(read_cells(Path(path), table.names.__contains__, how), table)
 
 
-def examined(cells: Cells, table: Table) -> Examination:
+def examined(cells: Cells, table: TableSchema) -> Examination:
     """The good rows and the problems of a table by its cells. Raises `InputError`."""
-    rows, problems, notes = list[Row](), list[Problem](), Counter[str]()
+    rows, problems, notes = list[Row](), list[CellProblem](), Counter[str]()
     columns, seen = _columns(cells, table), _Seen(table)
     for line, texts in cells.rows[1:]:
         row, findings = _row(texts, columns, cells)
         notes.update(() if findings else table.complete(row))
         findings = findings or list(table.rules(row)) or list(seen.repeated(row, line))
-        problems.extend(Problem(cells.name, line, *finding) for finding in findings)
+        problems.extend(CellProblem(cells.name, line, *finding) for finding in findings)
         if not findings:
             rows.append(row)
     if not rows and not problems:
@@ -448,7 +448,7 @@ def examined(cells: Cells, table: Table) -> Examination:
 class _Seen:
     """Names in the rows before: keys, and the spelling of every campaign."""
 
-    table: Table
+    table: TableSchema
     lines: dict[tuple[str, ...], int] = field(default_factory=dict)
     spelling: dict[str, tuple[str, int]] = field(default_factory=dict)
 
@@ -467,7 +467,7 @@ class _Seen:
             yield "campaign", campaign, f"is spelled {spelled} in line {first}", advice
 
 
-def _columns(cells: Cells, table: Table) -> list[Column | str]:
+def _columns(cells: Cells, table: TableSchema) -> list[TableColumn | str]:
     """The column of the schema, or the name of the user's own, at every place of the header."""
     names, place = cells.header, f"{cells.name}, line {cells.rows[0][0]}"
     for column in names:
@@ -490,7 +490,7 @@ def width_findings(cells: list[str], width: int) -> list[RowFinding]:
 
 
 def _row(
-    texts: list[str], columns: list[Column | str], cells: Cells
+    texts: list[str], columns: list[TableColumn | str], cells: Cells
 ) -> tuple[Row, list[RowFinding]]:
     row, findings = Row(), width_findings(texts, len(columns))
     if findings:
@@ -506,7 +506,7 @@ def _row(
     return row, findings
 
 
-def _cell(text: str, column: Column, cells: Cells) -> object:
+def _cell(text: str, column: TableColumn, cells: Cells) -> object:
     if not text:
         if column.filled:
             raise InputError(column.name, text, "must not be empty")
@@ -519,7 +519,9 @@ def _cell(text: str, column: Column, cells: Cells) -> object:
     return float(column.rule.check(column.name, number))
 
 
-def _frame(rows: list[Row], columns: Iterable[Column | str], table: Table) -> pd.DataFrame:
+def _frame(
+    rows: list[Row], columns: Iterable[TableColumn | str], table: TableSchema
+) -> pd.DataFrame:
     """All columns of the schema in its order, then the user's own."""
     data = {
         column.name: pd.Series(

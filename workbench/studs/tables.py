@@ -20,7 +20,7 @@ from workbench.base.arrays import Flags
 from workbench.base.catalogue import STUD_POINTS, STUD_TESTS, Dataset, dataset, datasets
 from workbench.base.errors import InputError
 from workbench.base.fields import Choice, did_you_mean
-from workbench.studs.schema import HEADED, NO_PREDAMAGE, POINTS, TESTS, Table, examine
+from workbench.studs.schema import HEADED, NO_PREDAMAGE, POINTS, TESTS, TableSchema, examine
 
 ACI_MODULUS = 4733e6  # Pa; Ec = 4733 sqrt(fc / MPa) MPa, normal-weight concrete, ACI 318
 DENSITY_MODULUS = 0.043e6  # Pa; Ec = 0.043 w^1.5 sqrt(fc / MPa) MPa, AISC 360 and ACI 318
@@ -312,7 +312,7 @@ def added(kind: str = STUD_TESTS) -> tuple[Dataset, ...]:
     return tuple(e for e in datasets() if e.kind == kind and e.name not in SHIPPED)
 
 
-def table_schemas() -> dict[str, Table]:
+def table_schemas() -> dict[str, TableSchema]:
     """The schema of every table on studs in the catalogue, by its name."""
     kinds = {STUD_TESTS: TESTS, STUD_POINTS: POINTS}
     own = {entry.name: schema for kind, schema in kinds.items() for entry in added(kind)}

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from workbench.study.assessment.variations import Budget as Budget
     from workbench.study.assessor import Assessment as Assessment
     from workbench.study.assessor import assess as assess
+    from workbench.study.cells import CellProgress as CellProgress
     from workbench.study.cells import CellStatus as CellStatus
-    from workbench.study.cells import State as State
     from workbench.study.cells import cells_of as cells_of
     from workbench.study.cells import gather as gather
     from workbench.study.cells import survey as survey
@@ -26,30 +26,13 @@ if TYPE_CHECKING:
     from workbench.study.store import load_study as load_study
 
 _PUBLIC = {  # module: names that it gives
-    "assessor": (
-        "Assessment",
-        "assess",
-    ),
+    "assessor": ("Assessment", "assess"),
     "assessment.gates": ("Gate",),
     "assessment.variations": ("Budget",),
-    "cells": ("cells_of",),
-    "definition": (
-        "Case",
-        "Figure",
-        "Study",
-    ),
-    "loading": ("load_study",),
-    "manifest": (
-        "CellStatus",
-        "State",
-        "gather",
-        "survey",
-    ),
-    "runner": (
-        "RunSummary",
-        "run_study",
-    ),
-    "store": ("Store",),
+    "cells": ("CellProgress", "CellStatus", "cells_of", "gather", "survey"),
+    "definition": ("Case", "Figure", "Study"),
+    "runner": ("RunSummary", "run_study"),
+    "store": ("Store", "load_study"),
 }
 _MODULES = {name: module for module, names in _PUBLIC.items() for name in names}
 __all__ = [*_MODULES]

@@ -19,7 +19,7 @@ from workbench.responses import (
 )
 from workbench.responses.histories import SCALARS, TIMES
 from workbench.study.assessment.gates import GateVerdict, Verdict
-from workbench.study.cells import Cell, as_answered, cells_of
+from workbench.study.cells import StudyCell, as_answered, cells_of
 from workbench.study.chooser import (
     BIAS_COLUMNS,
     COST_COLUMNS,
@@ -33,7 +33,7 @@ from workbench.study.chooser import (
 )
 from workbench.study.comparisons import (
     LADDER_COLUMNS,
-    Answers,
+    CaseAnswers,
     comparison_rows,
     ladder_row,
     of_side,
@@ -139,7 +139,7 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
             raise InputError("case.parameters", name, "is the name of a column", "rename it")
     records: dict[str, Record] = {}
     responses: dict[str, Response] = {}
-    by_case: dict[str, list[Cell]] = {}
+    by_case: dict[str, list[StudyCell]] = {}
     for cell in cells:
         by_case.setdefault(cell.case, []).append(cell)
         answer = None if cell.key in responses else store.answer(cell.key, cell.ingredients)
@@ -153,7 +153,7 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
             for label, cell in cells_by_label.items()
             if cell.key in responses
         }
-        given.append(Answers(study, case, tuple(cells_by_label), answered))
+        given.append(CaseAnswers(study, case, tuple(cells_by_label), answered))
     tables = {
         "cells": table(
             (
@@ -211,7 +211,7 @@ def _parameters(study: Study) -> Columns:
     }
 
 
-def _cell_row(answers: Answers, cell: Cell, record: Record | None) -> Row:
+def _cell_row(answers: CaseAnswers, cell: StudyCell, record: Record | None) -> Row:
     """Row of a cell in the table of cells; `record`, where it is stored."""
     row: dict[str, Any] = {"case": cell.case, "label": cell.label, "model": cell.model.name}
     row |= {"model_version": cell.version, "outcome": NOT_RUN, "key": cell.key}
@@ -220,7 +220,7 @@ def _cell_row(answers: Answers, cell: Cell, record: Record | None) -> Row:
     return {**row, **answers.case.parameters, **_widths(answers, cell.label)}
 
 
-def _finding_rows(answers: Answers) -> Iterator[Row]:
+def _finding_rows(answers: CaseAnswers) -> Iterator[Row]:
     for label, response in answers.responses.items():
         who = {"case": answers.case.name, "label": label}
         model = answers.study.models[label].name
@@ -256,7 +256,7 @@ def width_of(quantity: str) -> str:
     return f"{quantity}_uncertainty"
 
 
-def _widths(answers: Answers, label: str) -> Row:
+def _widths(answers: CaseAnswers, label: str) -> Row:
     """How well the scalars of an answer are known, where refinement or its data say so."""
     response = answers.ok(label)
     known = [q for q in answers.study.quantities if response is not None and q in response]
@@ -264,7 +264,7 @@ def _widths(answers: Answers, label: str) -> Row:
 
 
 def _budget_rows(
-    study: Study, cells: Sequence[Cell], read: Mapping[str, Response]
+    study: Study, cells: Sequence[StudyCell], read: Mapping[str, Response]
 ) -> Iterator[Row]:
     """A row for every term and sum of every budget, per label, form and quantity."""
     runs = {(cell.case, cell.label): read[cell.key] for cell in cells if cell.key in read}

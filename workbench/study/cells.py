@@ -47,7 +47,7 @@ STORE_FORMAT = 3
 
 
 @dataclass(frozen=True)
-class Cell:
+class StudyCell:
     """A case answered by a label.
 
     Arguments: `case` and `label`, names in the study; `scenario` and `model`; `ingredients`,
@@ -105,7 +105,7 @@ def key_of(ingredients: Ingredients) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:20]
 
 
-def cells_of(study: Study) -> list[Cell]:
+def cells_of(study: Study) -> list[StudyCell]:
     """All cells of a study, each checked so that no run begins that cannot end.
 
     Raises `InputError` for models that do not keep the contract, for options that cannot be stored
@@ -126,13 +126,15 @@ def cells_of(study: Study) -> list[Cell]:
     triples = [(case, label, study.models[label]) for case, label in study.cells()]
     for case, label, model in [*triples, *study.varied_cells()]:
         ingredients = ingredients_of(case.scenario, model)
-        cells.append(Cell(case.name, label, case.scenario, model, ingredients, key_of(ingredients)))
+        cells.append(
+            StudyCell(case.name, label, case.scenario, model, ingredients, key_of(ingredients))
+        )
     if not cells:
         raise InputError("study", study.name, "has no cell: no model answers any of its cases")
     return cells
 
 
-def select(cells: list[Cell], pattern: str | None) -> list[Cell]:
+def select(cells: list[StudyCell], pattern: str | None) -> list[StudyCell]:
     """Cells whose case, label or ``case/label`` matches a shell pattern (None: all).
 
     Raises `InputError` if nothing matches.
@@ -181,7 +183,7 @@ class Result:
         return Outcome(self.record["outcome"])
 
 
-def task_of(cell: Cell, limit: float | None = None, file: Path | None = None) -> Task:
+def task_of(cell: StudyCell, limit: float | None = None, file: Path | None = None) -> Task:
     """The task that answers a cell."""
     payload = pickle.dumps((cell.model, cell.scenario))
     return Task(cell.key, payload, limit, "" if file is None else str(file))
@@ -332,7 +334,7 @@ _CHANGES = {
 }
 
 
-class State(StrEnum):
+class CellProgress(StrEnum):
     """Where a cell stands."""
 
     DONE = "done"
@@ -344,33 +346,35 @@ class State(StrEnum):
 class CellStatus:
     """Where a cell stands, with the `outcome` of a stored one and the `reason` to answer it."""
 
-    cell: Cell
-    state: State
+    cell: StudyCell
+    state: CellProgress
     outcome: str = ""
     reason: str = ""
 
 
-def survey(study: Study, cells: list[Cell], store: Store) -> list[CellStatus]:
+def survey(study: Study, cells: list[StudyCell], store: Store) -> list[CellStatus]:
     """Where every cell stands, and why those to do would be answered (again)."""
     answered = _last_answers(read_manifest(store), store)
 
-    def status(cell: Cell) -> CellStatus:
+    def status(cell: StudyCell) -> CellStatus:
         if (answer := store.answer(cell.key, cell.ingredients)) is not None:
             outcome = Outcome(answer[0]["outcome"])
-            return CellStatus(cell, State.DONE if outcome.is_answer else State.FAILED, outcome)
+            return CellStatus(
+                cell, CellProgress.DONE if outcome.is_answer else CellProgress.FAILED, outcome
+            )
         reason = "the stored cell is corrupt: its file, its record and what is asked disagree"
         if not store.holds(cell.key):
             reason = _reason(cell, answered.get((cell.case, cell.label)), store)
-        return CellStatus(cell, State.TO_DO, reason=reason)
+        return CellStatus(cell, CellProgress.TO_DO, reason=reason)
 
     return [status(cell) for cell in cells]
 
 
-def as_answered(cells: list[Cell], store: Store) -> list[Cell]:
+def as_answered(cells: list[StudyCell], store: Store) -> list[StudyCell]:
     """Cells as they were last answered, where only the version of the model is another now."""
     answered = _last_answers(read_manifest(store), store)
 
-    def earlier(cell: Cell) -> Cell:
+    def earlier(cell: StudyCell) -> StudyCell:
         last = answered.get((cell.case, cell.label), cell.ingredients)
         version = cell.ingredients["model_version"]
         if store.holds(cell.key) or {**last, "model_version": version} != cell.ingredients:
@@ -402,7 +406,7 @@ def read_manifest(store: Store) -> Manifest:
     return manifest
 
 
-def write_manifest(study: Study, cells: list[Cell], store: Store, *, runs: bool) -> None:
+def write_manifest(study: Study, cells: list[StudyCell], store: Store, *, runs: bool) -> None:
     """Write what the study is made of, in canonical form, and who `runs` it, if anyone does.
 
     A cell that is not stored keeps under ``answered`` what its last stored answer was made of.
@@ -460,7 +464,7 @@ def _last_answers(manifest: Manifest, store: Store) -> dict[tuple[str, str], Ing
     return answers
 
 
-def _reason(cell: Cell, last: Ingredients | None, store: Store) -> str:
+def _reason(cell: StudyCell, last: Ingredients | None, store: Store) -> str:
     if last is None:
         return "never ran"
     now = cell.ingredients
@@ -478,7 +482,7 @@ def _reason(cell: Cell, last: Ingredients | None, store: Store) -> str:
     return "; ".join(reasons)
 
 
-def _scenario_changes(cell: Cell, last: Ingredients, store: Store) -> Iterator[str]:
+def _scenario_changes(cell: StudyCell, last: Ingredients, store: Store) -> Iterator[str]:
     if last.get("scenario") == cell.ingredients["scenario"]:
         return
     try:

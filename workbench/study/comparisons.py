@@ -38,7 +38,7 @@ Known = tuple[float | None, str]  # half-width (None: unknown) and a note on whe
 
 
 @dataclass(frozen=True)
-class Answers:
+class CaseAnswers:
     """The stored `responses` of one case by label; `asked` are all labels that are to answer."""
 
     study: Study
@@ -82,7 +82,7 @@ class Answers:
         return levels
 
 
-def quantity_ladder(answers: Answers, quantity: str) -> Ladder | None:
+def quantity_ladder(answers: CaseAnswers, quantity: str) -> Ladder | None:
     """The ladder of a scalar quantity of the reference; None if fewer than two levels have it."""
     values: list[float] = []
     for label in reversed(answers.levels()):
@@ -93,7 +93,7 @@ def quantity_ladder(answers: Answers, quantity: str) -> Ladder | None:
     return ladder(values) if len(values) > 1 else None
 
 
-def of_side(answers: Answers, label: str, quantity: str) -> Known:
+def of_side(answers: CaseAnswers, label: str, quantity: str) -> Known:
     """Half-width of a scalar of one side."""
     response = answers.responses[label]
     if _refined(response):
@@ -136,7 +136,7 @@ def own_note(response: Response, quantity: str) -> str:
     return f"refinement of its own, {known['note']}"
 
 
-def _runs(answers: Answers, label: str) -> Mapping[str, Response]:
+def _runs(answers: CaseAnswers, label: str) -> Mapping[str, Response]:
     """The runs behind one side that tell its numerical uncertainty, its answer last."""
     response = answers.responses[label]
     if _refined(response):
@@ -146,7 +146,7 @@ def _runs(answers: Answers, label: str) -> Mapping[str, Response]:
     return {}
 
 
-def _spread(answers: Answers, label: str, quantity: str, values: Mapping[str, float]) -> Known:
+def _spread(answers: CaseAnswers, label: str, quantity: str, values: Mapping[str, float]) -> Known:
     """Half-width of a metric that one side gives, from its `values` over the runs of that side."""
     response, what = answers.responses[label], f"the metric over {label}"
     if _refined(response):
@@ -184,7 +184,7 @@ def _no_ladder(label: str) -> str:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class PairComparison:
     """A metric between two answers.
 
     `error` is the value of the metric, with its `uncertainty` (None: unknown) and a `note` on that;
@@ -207,7 +207,7 @@ class Compared(NamedTuple):
     `both`, of their answers; `runs`, of every run behind the one side and the other, by label.
     """
 
-    answers: Answers
+    answers: CaseAnswers
     model: str
     against: str
     quantity: str
@@ -215,7 +215,9 @@ class Compared(NamedTuple):
     runs: Mapping[str, Mapping[str, Any]]
 
 
-def compared(answers: Answers, model: str, against: str, quantity: str, scope: Scope) -> Compared:
+def compared(
+    answers: CaseAnswers, model: str, against: str, quantity: str, scope: Scope
+) -> Compared:
     """A quantity of two labels of a case. Raises `InputError` if a side cannot know it."""
     for label in (model, against):
         if answers.ok(label) is None:
@@ -232,12 +234,12 @@ def compared(answers: Answers, model: str, against: str, quantity: str, scope: S
     return Compared(answers, model, against, quantity, both, runs)
 
 
-def judged(given: Compared, metric: Metric) -> Comparison:
+def judged(given: Compared, metric: Metric) -> PairComparison:
     """A metric with its uncertainty. Raises `InputError` where it does not exist."""
     answers, model, against, quantity, both, runs = given
     value = metric.compute(both)
     if metric.scope is Scope.RUN:
-        return Comparison(value, 0.0, _OF_THE_RUN)
+        return PairComparison(value, 0.0, _OF_THE_RUN)
     if metric.spread is None:  # histories and curves: from the values with every run of a side
         widths: list[float | None] = []
         notes = []
@@ -250,7 +252,7 @@ def judged(given: Compared, metric: Metric) -> Comparison:
             widths.append(width)
             notes.append(note)
         known = [width for width in widths if width is not None]
-        return Comparison(value, hypot(*known) if len(known) == 2 else None, joined(*notes))
+        return PairComparison(value, hypot(*known) if len(known) == 2 else None, joined(*notes))
     own_width, note = of_side(answers, model, quantity)
     other_width, other_note = of_side(answers, against, quantity)
     sampled = numerical.sampled_interval(answers.responses[model], quantity)
@@ -258,12 +260,12 @@ def judged(given: Compared, metric: Metric) -> Comparison:
     if sampled is not None and other_width == 0.0:
         ends = sorted(metric.compute(both._replace(value=end)) for end in sampled)
     width = metric.half_width(both.value, both.reference, own_width, other_width)
-    return Comparison(value, width, joined(note, other_note), both.value, both.reference, *ends)
+    return PairComparison(value, width, joined(note, other_note), both.value, both.reference, *ends)
 
 
 def compare(
-    answers: Answers, model: str, against: str, quantity: str, metric: Metric
-) -> Comparison:
+    answers: CaseAnswers, model: str, against: str, quantity: str, metric: Metric
+) -> PairComparison:
     """A metric between two labels of a case, with its uncertainty.
 
     Raises `InputError` where the metric does not exist, for instance for an absent quantity.
@@ -271,7 +273,7 @@ def compare(
     return judged(compared(answers, model, against, quantity, metric.scope), metric)
 
 
-def comparison_rows(answers: Answers, best: str | None = None) -> Iterator[Row]:
+def comparison_rows(answers: CaseAnswers, best: str | None = None) -> Iterator[Row]:
     """Rows of every label of a case against the reference, the data and what gates ask for.
 
     Also against the `best` of several references.
@@ -299,7 +301,7 @@ def comparison_rows(answers: Answers, best: str | None = None) -> Iterator[Row]:
                             yield {**who, **what, **of_metric}
 
 
-def ladder_row(answers: Answers, quantity: str) -> Row | None:
+def ladder_row(answers: CaseAnswers, quantity: str) -> Row | None:
     """The row of the ladder table; None if the case has no ladder.
 
     The meshes that stand behind the reference's own answer come first; a study may instead give

@@ -25,7 +25,7 @@ SMALL = 1e-3  # of the range; values below it do not make the bracket narrower
 
 
 @dataclass(frozen=True)
-class Trial:
+class SurvivalTrial:
     """Trial at one `value`: whether the structure `survives`, None where that is not known.
 
     With `outcome` and `message`, `collapse` as responses carry it, and `duration` of the record (s;
@@ -41,7 +41,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Limit:
+class CriticalValue:
     """The bracket in which a `model` turns from survival to collapse, and every value tried.
 
     `warnings` at both ends of it, as `simulate` prints them: where it survives, and of what else
@@ -54,11 +54,11 @@ class Limit:
     survives_at: float | None
     collapses_at: float | None
     settled: bool
-    trials: tuple[Trial, ...]
+    trials: tuple[SurvivalTrial, ...]
     warnings: tuple[dict[str, Any], ...] = ()
 
     @property
-    def undecided(self) -> tuple[Trial, ...]:
+    def undecided(self) -> tuple[SurvivalTrial, ...]:
         """Values without an answer: those inside the bracket, or all if there is none."""
         silent = tuple(trial for trial in self.trials if trial.survives is None)
         if self.survives_at is None or self.collapses_at is None:
@@ -78,8 +78,8 @@ def find_limit(
     scenario_at: Callable[[float], Scenario],
     ends: tuple[float, float],
     tolerance: float,
-    follow: Callable[[Trial], None] = lambda trial: None,
-) -> Limit:
+    follow: Callable[[SurvivalTrial], None] = lambda trial: None,
+) -> CriticalValue:
     """Bracket the value at which a structure collapses that survives below (or above) it.
 
     Arguments: the `model`, asked without the coarser meshes of a reference; `scenario_at` a value;
@@ -87,7 +87,7 @@ def find_limit(
     larger value; `follow` gets each trial when it is known.
     """
     alone = on_one_mesh(model)
-    trials: dict[float, Trial] = {}
+    trials: dict[float, SurvivalTrial] = {}
     ended: dict[bool | None, tuple[Scenario, Response]] = {}  # the last answers of each kind
 
     def tried(value: float) -> bool | None:
@@ -125,7 +125,9 @@ def find_limit(
     findings = {f.subject: f for each in reversed(at_ends) for f in advise(alone, *each)}
     advised = (f for f in findings.values() if not f.refusal and f.subject != CLOSE)
     warnings = tuple(f.as_dict() for f in advised)
-    return Limit(model.name, survived_at, collapsed_at, settled, tuple(trials.values()), warnings)
+    return CriticalValue(
+        model.name, survived_at, collapsed_at, settled, tuple(trials.values()), warnings
+    )
 
 
 def _gap(survived_at: float, collapsed_at: float, silent: list[float]) -> tuple[bool, float, float]:
@@ -140,10 +142,10 @@ def _gap(survived_at: float, collapsed_at: float, silent: list[float]) -> tuple[
     return bool(inside), start, end
 
 
-def _trial(value: float, scenario: Any, response: Response) -> Trial:
+def _trial(value: float, scenario: Any, response: Response) -> SurvivalTrial:
     collapse = collapse_of(response)
     open_end = [str(finding) for finding in warnings_of(response) if finding.subject == NO_PEAK]
-    return Trial(
+    return SurvivalTrial(
         value,
         survives(response),
         outcome_of(response).value,
@@ -160,7 +162,7 @@ _TOLERANCE = 0.003  # of the peak
 
 
 @dataclass(frozen=True)
-class Point:
+class PulseAtLimit:
     """A pulse that takes the structure to the displacement.
 
     Its `length` in s, `peak` in N or N/m and `impulse` in N s or N s/m; None, with the `reason`, if
@@ -175,7 +177,7 @@ class Point:
 
 def pressure_impulse_curve(
     model: Model, scenario: Any, displacement: float, lengths: Sequence[float]
-) -> list[Point]:
+) -> list[PulseAtLimit]:
     """Pulses of these lengths (s) and the shape of the scenario that reach a displacement (m).
 
     Peaks are bracketed to 0.3 %, a reference on one mesh. A collapse has gone further. Records last
@@ -189,10 +191,10 @@ def pressure_impulse_curve(
         lengthened = replace(scenario, pulse=pulse, duration=duration)
         peak = _peak(alone, lengthened, displacement)
         if isinstance(peak, str):
-            points.append(Point(length, None, None, peak))
+            points.append(PulseAtLimit(length, None, None, peak))
         else:
             reached = replace(pulse, peak=peak)
-            points.append(Point(length, peak, reached.whole))
+            points.append(PulseAtLimit(length, peak, reached.whole))
     return points
 
 

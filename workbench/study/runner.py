@@ -35,8 +35,8 @@ from pebble import ProcessExpired, ProcessPool
 from workbench.base.errors import InputError, WorkbenchError
 from workbench.responses import Outcome
 from workbench.study.cells import (
-    Cell,
     Result,
+    StudyCell,
     Task,
     cells_of,
     perform,
@@ -297,7 +297,7 @@ class Progress:
     def begin(
         self,
         study: str,
-        waiting: Sequence[Cell],
+        waiting: Sequence[StudyCell],
         stored: int,
         jobs: int,
         costs: Mapping[str, Sequence[float]] = MappingProxyType({}),
@@ -313,7 +313,7 @@ class Progress:
         left = f", {self.left}" if self.left else ""
         self._say(f"{study}: {self.total} cells to answer, {stored} already stored{left}")
 
-    def advance(self, cell: Cell, outcome: Outcome, seconds: float) -> None:
+    def advance(self, cell: StudyCell, outcome: Outcome, seconds: float) -> None:
         """A cell has been answered, in `seconds` as far as possible without compilation."""
         before = 10 * self.done // self.total
         self.done += 1
@@ -366,7 +366,7 @@ class Progress:
         return "" if seconds is None else f"about {timedelta(seconds=round(seconds))} left"
 
 
-class Bar(Progress):
+class ProgressBar(Progress):
     """A progress bar with the cell that was answered last and the time left."""
 
     display: Any = None
@@ -375,7 +375,7 @@ class Bar(Progress):
     def begin(
         self,
         study: str,
-        waiting: Sequence[Cell],
+        waiting: Sequence[StudyCell],
         stored: int,
         jobs: int,
         costs: Mapping[str, Sequence[float]] = MappingProxyType({}),
@@ -397,7 +397,7 @@ class Bar(Progress):
         self.task = self.display.add_task(study, total=len(waiting), left="", last=stored_text)
         self.display.start()
 
-    def advance(self, cell: Cell, outcome: Outcome, seconds: float) -> None:
+    def advance(self, cell: StudyCell, outcome: Outcome, seconds: float) -> None:
         """Move the bar."""
         super().advance(cell, outcome, seconds)
         last = f"{self.failures}{cell.name}: {outcome}"
@@ -420,7 +420,7 @@ class Bar(Progress):
 
 def progress_for(stream: TextIO, environment: Mapping[str, str]) -> Progress:
     """A bar if `stream` is a terminal and this is no automatic build (CI), else lines."""
-    return Bar() if stream.isatty() and not environment.get("CI") else Progress(stream)
+    return ProgressBar() if stream.isatty() and not environment.get("CI") else Progress(stream)
 
 
 @dataclass(frozen=True)
@@ -513,7 +513,7 @@ def _executor(jobs: int | None, scheduler: str | None) -> DaskCluster | Workers 
     return Workers(jobs) if jobs else InProcess()
 
 
-def _costs(cells: Sequence[Cell], store: Store) -> dict[str, list[float]]:
+def _costs(cells: Sequence[StudyCell], store: Store) -> dict[str, list[float]]:
     """Seconds of the stored answers of each label, as far as possible without compilation."""
     costs: dict[str, list[float]] = {}
     for cell in cells:
@@ -521,7 +521,7 @@ def _costs(cells: Sequence[Cell], store: Store) -> dict[str, list[float]]:
     return costs
 
 
-def _costly_first(study: Study, cells: list[Cell]) -> list[Cell]:
+def _costly_first(study: Study, cells: list[StudyCell]) -> list[StudyCell]:
     """One cell per key, the finest references first so that no long cell runs alone at the end.
 
     Cells that differ in name only share a key; the first one of the study speaks for them, also
@@ -533,7 +533,7 @@ def _costly_first(study: Study, cells: list[Cell]) -> list[Cell]:
     return sorted(unique, key=lambda cell: rank.get(cell.label, 0))
 
 
-def _to_do(cell: Cell, store: Store, timeout: float | None, progress: Progress) -> bool:
+def _to_do(cell: StudyCell, store: Store, timeout: float | None, progress: Progress) -> bool:
     if not store.holds(cell.key):
         return True
     answer, why = store.answer(cell.key, cell.ingredients), ""

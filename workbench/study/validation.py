@@ -14,7 +14,7 @@ import pandas as pd
 from workbench.base.errors import InputError, SolverError
 from workbench.responses import is_synthetic
 from workbench.study.assessment import METRICS
-from workbench.study.comparisons import Answers, compare
+from workbench.study.comparisons import CaseAnswers, compare
 from workbench.study.definition import Study, holds_data
 from workbench.study.tables import Row, counts, numbers, texts
 
@@ -32,7 +32,7 @@ _TWO_SIDED = 1.96  # standard deviations in a half-width that holds 95 %
 MEASURED = "measured"  # name of the model that answers with tests
 
 
-def validation_rows(study: Study, answers: Sequence[Answers]) -> Iterator[Row]:
+def validation_rows(study: Study, answers: Sequence[CaseAnswers]) -> Iterator[Row]:
     """A row for every model, measured side and quantity; none where nothing was measured."""
     sides = [label for label, model in study.models.items() if model.name == MEASURED]
     for against in sides:
@@ -46,7 +46,7 @@ def validation_rows(study: Study, answers: Sequence[Answers]) -> Iterator[Row]:
                     yield {**row, **_metrics(pd.DataFrame(pairs)), "synthetic": int(synthetic)}
 
 
-def _pair(answers: Answers, model: str, against: str, quantity: str) -> Row | None:
+def _pair(answers: CaseAnswers, model: str, against: str, quantity: str) -> Row | None:
     """A test and what a model says: SI, relative half-widths of the test and of the comparison."""
     try:
         compared = compare(answers, model, against, quantity, METRICS["relative_error"])

@@ -20,7 +20,7 @@ from workbench.responses import (
 )
 from workbench.study.assessment import METRICS
 from workbench.study.assessment.gates import PEAK, CaseVerdict, Gate, GateVerdict, Verdict, judge
-from workbench.study.comparisons import Answers, compare, of_side
+from workbench.study.comparisons import CaseAnswers, compare, of_side
 from workbench.study.definition import Study
 from workbench.study.tables import Row, counts, lists, numbers, texts
 
@@ -66,7 +66,7 @@ class Governing(NamedTuple):
     reason: str
 
 
-def governing_of(answers: Answers) -> Governing | None:
+def governing_of(answers: CaseAnswers) -> Governing | None:
     """The governing reference of a case, None if none answered."""
     reasons: list[str] = []
     best_outside = None
@@ -84,7 +84,7 @@ def governing_of(answers: Answers) -> Governing | None:
     return best_outside
 
 
-def reference_row(answers: Answers) -> Row:
+def reference_row(answers: CaseAnswers) -> Row:
     """The row of a case in the table of references, with the relative uncertainty of the peak."""
     row: dict[str, object] = {"case": answers.case.name}
     governing = governing_of(answers)
@@ -99,7 +99,7 @@ def reference_row(answers: Answers) -> Row:
     return row
 
 
-def doubted(gate: Gate, answers: Answers, judged: CaseVerdict) -> CaseVerdict:
+def doubted(gate: Gate, answers: CaseAnswers, judged: CaseVerdict) -> CaseVerdict:
     """The verdict of a case, inconclusive where it says nothing about the structure.
 
     Made numbers neither pass nor fail a model. A pass says nothing where both sides are outside
@@ -122,7 +122,7 @@ def doubted(gate: Gate, answers: Answers, judged: CaseVerdict) -> CaseVerdict:
     return replace(judged, verdict=Verdict.INCONCLUSIVE, doubt=doubt)
 
 
-def _confirmed(gate: Gate, answers: Answers, best: str) -> bool:
+def _confirmed(gate: Gate, answers: CaseAnswers, best: str) -> bool:
     """Whether a better reference would let the model pass too, or does not know the quantity."""
     collapsed = [answers.collapse(label) is not None for label in (gate.model, best)]
     if any(collapsed):
@@ -134,7 +134,7 @@ def _confirmed(gate: Gate, answers: Answers, best: str) -> bool:
     return judge(other.error, other.uncertainty, gate.bound, other.low, other.high) is Verdict.PASS
 
 
-def verdicts_of(study: Study, answers: Sequence[Answers]) -> tuple[GateVerdict, ...]:
+def verdicts_of(study: Study, answers: Sequence[CaseAnswers]) -> tuple[GateVerdict, ...]:
     """The verdict of every gate, from the answers of all cases of the study."""
     verdicts = []
     for number, gate in enumerate(study.gates, 1):
@@ -145,7 +145,7 @@ def verdicts_of(study: Study, answers: Sequence[Answers]) -> tuple[GateVerdict, 
     return tuple(verdicts)
 
 
-def _judged(gate: Gate, answers: Answers) -> CaseVerdict:
+def _judged(gate: Gate, answers: CaseAnswers) -> CaseVerdict:
     name = answers.case.name
     collapses = {label: answers.collapse(label) for label in (gate.model, gate.against)}
     for label, collapse in collapses.items():
@@ -167,7 +167,7 @@ def _judged(gate: Gate, answers: Answers) -> CaseVerdict:
     return doubted(gate, answers, judged)
 
 
-def _collapsed(gate: Gate, answers: Answers, collapsed: tuple[str, ...]) -> CaseVerdict:
+def _collapsed(gate: Gate, answers: CaseAnswers, collapsed: tuple[str, ...]) -> CaseVerdict:
     """The verdict of a case in which the structure of these labels collapses."""
     note = "; ".join(answers.why_not(label) for label in collapsed)
     verdict = Verdict.PASS

@@ -30,7 +30,7 @@ from workbench.extras.laboratory.schemes.time_stepping import (
     moreau_jean,
 )
 from workbench.extras.laboratory.system import springs
-from workbench.extras.laboratory.systems import Run, run
+from workbench.extras.laboratory.systems import SystemRecord, run
 from workbench.report.drawing.style import house_style
 
 NAMES = tuple(SCHEMES)
@@ -39,7 +39,7 @@ LAWFUL = tuple(name for name in NAMES if SCHEMES[name].restitution == LAW)
 ELASTIC = Restitution(1.0)
 
 
-def follow(name: str, of: str, steps: int) -> Run:
+def follow(name: str, of: str, steps: int) -> SystemRecord:
     """A problem by an integrator."""
     given = problem(of)
     system = given.system()

@@ -10,7 +10,7 @@ import pytest
 from workbench.extras.practice.biggs import Biggs
 from workbench.extras.practice.hand_estimate import mechanism_load
 from workbench.models.energy_estimate import energy_to_absorb
-from workbench.models.resistance.shapes import Beam, beam_of, plastic_moment
+from workbench.models.resistance.shapes import DeflectedBeam, beam_of, plastic_moment
 from workbench.responses import energy_error, warnings_of
 
 MID, THIRDS = (0.0, 0.5, 1.0), (0.0, 1 / 3, 0.5, 2 / 3, 1.0)
@@ -48,7 +48,7 @@ TABLES = {
 @pytest.mark.parametrize("case", TABLES)
 def test_factors_are_those_of_the_tables(case) -> None:
     nodes, clamped, forces, reference, strength, rows = TABLES[case]
-    stages = Beam(nodes, clamped, forces, 1.0, reference).stages(np.ones(len(nodes)))
+    stages = DeflectedBeam(nodes, clamped, forces, 1.0, reference).stages(np.ones(len(nodes)))
     if strength is not None:
         assert len(stages) == len(rows)
         assert stages[-1].load == pytest.approx(strength)
@@ -61,7 +61,7 @@ def test_factors_are_those_of_the_tables(case) -> None:
 
 
 def test_one_public_table_mixes_its_rows() -> None:
-    stage = Beam(MID, FIXED, UNIFORM, 1.0).stages(np.ones(3))[0]
+    stage = DeflectedBeam(MID, FIXED, UNIFORM, 1.0).stages(np.ones(3))[0]
     assert stage.load_mass_factor == pytest.approx(0.762, abs=1e-3)  # not 0.64
 
 

@@ -18,7 +18,7 @@ from workbench.models.base import Model
 from workbench.models.references.fiber_beams import FiberCorotational, FiberShear
 from workbench.models.resistance import ResistanceCurve, mechanism_of
 from workbench.models.resistance.kernels import PIECE
-from workbench.models.resistance.shapes import Beam
+from workbench.models.resistance.shapes import DeflectedBeam
 from workbench.models.single_dof import SingleDof, march
 from workbench.models.single_dof.model import Pushed, no_striker, push, under_pulse
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
@@ -159,7 +159,7 @@ REACTIONS = {
 @pytest.mark.parametrize("case", REACTIONS)
 def test_dynamic_reactions_are_those_of_the_tables(case) -> None:
     clamped, force, rows = REACTIONS[case]
-    stages = Beam((0.0, 0.5, 1.0), clamped, (force,), 1.0).stages(np.ones(3))
+    stages = DeflectedBeam((0.0, 0.5, 1.0), clamped, (force,), 1.0).stages(np.ones(3))
     for stage, (of_resistance, of_load) in zip(stages, rows, strict=True):
         moved = np.full(2, stage.start + 1e-9)
         resisted = stage.load + 1e-9 * stage.stiffness
@@ -175,7 +175,7 @@ def test_dynamic_reactions_are_those_of_the_tables(case) -> None:
 def test_reactions_after_the_peak_go_with_what_is_left_of_the_resistance(case) -> None:
     """The member springs back elastically, its inertia keeps the shape of the mechanism."""
     clamped, force, rows = REACTIONS[case]
-    stages = Beam((0.0, 0.5, 1.0), clamped, (force,), 1.0).stages(np.ones(3))
+    stages = DeflectedBeam((0.0, 0.5, 1.0), clamped, (force,), 1.0).stages(np.ones(3))
     top, (first, *_, last) = 2.0 * stages[-1].start, stages
     for left in (0.5, -0.2):
         back = top - (1.0 - left) * last.load / first.stiffness

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.extras.uncertainty.critical_velocity import Limit, slopes_at
+from workbench.extras.uncertainty.critical_velocity import DisplacementLimit, slopes_at
 from workbench.extras.uncertainty.inputs import uncertain_from_text
 from workbench.extras.uncertainty.sample_runs import Sampled, Setup, ratio_at
 from workbench.models.four_dof import FourDof
@@ -47,7 +47,7 @@ def main() -> None:
     """Write the rows that are missing."""
     uncertain = uncertain_from_text(COLUMN)
     models = FourDof(), FiberReissner(refinement=-1)
-    setup = Setup(uncertain, *models, Limit(0.1), (4.0, 20.0), SAMPLES)
+    setup = Setup(uncertain, *models, DisplacementLimit(0.1), (4.0, 20.0), SAMPLES)
     scores = uncertain.normal_scores(SAMPLES, (SEED, 0))
     reduced = Sampled.of(setup, scores, map)
     roots = reduced.roots(setup, np.full(SAMPLES, np.log(9.0)))

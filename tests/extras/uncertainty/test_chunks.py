@@ -17,7 +17,7 @@ from builders import UNCERTAIN
 
 from workbench.base.errors import WorkbenchError
 from workbench.cli import run
-from workbench.extras.uncertainty.chunks import Question, Span
+from workbench.extras.uncertainty.chunks import SampleRequest, Span
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.single_dof import SingleDof
 
@@ -153,7 +153,7 @@ def test_wrong_slices_are_one_line(asked, tmp_path, monkeypatch, capsys, argumen
 
 
 def test_chunks_do_not_depend_on_what_is_asked_for(asked):
-    question = Question(TEXT, SingleDof(), 1)
+    question = SampleRequest(TEXT, SingleDof(), 1)
     spans = question.spans(Span(30, 480))
     assert spans == [(30, 100), (100, 200), (200, 300), (300, 400), (400, 480)]
     assert question.spans(Span(100, 200)) == [(100, 200)]
@@ -162,15 +162,15 @@ def test_chunks_do_not_depend_on_what_is_asked_for(asked):
 
 def test_what_an_answer_depends_on_is_in_its_key():
     others = [
-        Question(TEXT, SingleDof(), 1),
-        Question(TEXT, SingleDof(), 2),
-        Question(TEXT, SingleDof(radiation_damping=10.0), 1),
-        Question(TEXT, EnergyEstimate(), 1),
-        Question(TEXT.replace("1500.0", "1501.0"), SingleDof(), 1),
+        SampleRequest(TEXT, SingleDof(), 1),
+        SampleRequest(TEXT, SingleDof(), 2),
+        SampleRequest(TEXT, SingleDof(radiation_damping=10.0), 1),
+        SampleRequest(TEXT, EnergyEstimate(), 1),
+        SampleRequest(TEXT.replace("1500.0", "1501.0"), SingleDof(), 1),
     ]
     assert len({question.key for question in others}) == len(others)
     with pytest.raises(WorkbenchError, match="install the same everywhere"):
-        Question(TEXT, SingleDof(), 1, "0.0").table(Span(0, 1))
+        SampleRequest(TEXT, SingleDof(), 1, "0.0").table(Span(0, 1))
 
 
 IN_PROCESSES = """

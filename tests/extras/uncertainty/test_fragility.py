@@ -20,7 +20,7 @@ from workbench.extras.uncertainty.critical_velocity import (
     NO_ANSWER,
     REACHED,
     Asked,
-    Limit,
+    DisplacementLimit,
     critical_velocity,
 )
 from workbench.extras.uncertainty.fragility import fragility
@@ -41,7 +41,7 @@ SAMPLES = 1024
 def setup(**options):
     given = {"samples": SAMPLES, "references": 16, "target": Target(0.5), **options}
     pair = make_model("single-dof"), make_model("four-dof")
-    return Setup(uncertain_from_text(TEXT), *pair, Limit(0.1), (5.0, 20.0), **given)
+    return Setup(uncertain_from_text(TEXT), *pair, DisplacementLimit(0.1), (5.0, 20.0), **given)
 
 
 @pytest.fixture(scope="module")
@@ -75,10 +75,15 @@ class Alone:
 @pytest.mark.parametrize(
     ("limit", "ends", "duration", "kinds"),
     [
-        (Limit(0.1), (5.0, 20.0), 0.01, {REACHED, NO_ANSWER}),  # records that are made longer
-        (Limit(0.9), (5.0, 20.0), 0.2, {REACHED, BY_COLLAPSE, NO_ANSWER}),
-        (Limit(0.2), (2.0, 3.8), 0.2, {REACHED, NEVER, NO_ANSWER}),
-        (Limit(0.05), (19.0, 40.0), 0.2, {REACHED, ALREADY, NO_ANSWER}),
+        (
+            DisplacementLimit(0.1),
+            (5.0, 20.0),
+            0.01,
+            {REACHED, NO_ANSWER},
+        ),  # records that are made longer
+        (DisplacementLimit(0.9), (5.0, 20.0), 0.2, {REACHED, BY_COLLAPSE, NO_ANSWER}),
+        (DisplacementLimit(0.2), (2.0, 3.8), 0.2, {REACHED, NEVER, NO_ANSWER}),
+        (DisplacementLimit(0.05), (19.0, 40.0), 0.2, {REACHED, ALREADY, NO_ANSWER}),
     ],
 )
 def test_searches_in_step_are_those_of_single_calls(alone, limit, ends, duration, kinds):
@@ -242,7 +247,7 @@ class Meshed(FourDof):
 def test_the_numerical_part_of_the_band_is_computed_again(monkeypatch):
     pair = make_model("single-dof"), Meshed()
     asked = Setup(
-        *(uncertain_from_text(TEXT), *pair, Limit(0.1), (5.0, 20.0), SAMPLES),
+        *(uncertain_from_text(TEXT), *pair, DisplacementLimit(0.1), (5.0, 20.0), SAMPLES),
         references=8,
     )
     found = fragility(asked)

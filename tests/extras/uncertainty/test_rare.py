@@ -14,9 +14,9 @@ from scipy.stats import chi2
 
 from workbench.base.errors import InputError, WorkbenchError
 from workbench.cli import run
-from workbench.extras.uncertainty.critical_velocity import Limit
+from workbench.extras.uncertainty.critical_velocity import DisplacementLimit
 from workbench.extras.uncertainty.inputs import uncertain_from_text
-from workbench.extras.uncertainty.rare import Mixture, Struck, rare_probability
+from workbench.extras.uncertainty.rare import SamplingMixture, Struck, rare_probability
 from workbench.models.base import make_model
 
 
@@ -80,7 +80,7 @@ def test_closed_forms_are_met_and_the_scatter_is_what_it_says(structure, inputs,
 
 
 def test_weights_are_those_of_the_inputs():
-    mixture = Mixture(np.array([[2.0, 0.0], [0.0, -1.5]]), np.array([0.7, 0.3]), 1.4)
+    mixture = SamplingMixture(np.array([[2.0, 0.0], [0.0, -1.5]]), np.array([0.7, 0.3]), 1.4)
     scores = mixture.draw(100_000, np.random.default_rng(1))
     weights, far = mixture.ratios(scores)
     for moment, known in ((weights, 1.0), (weights * scores[:, 0] ** 2, 1.0)):
@@ -123,7 +123,7 @@ CAR_PARK = (
 def test_crude_samples_agree():
     uncertain = uncertain_from_text(TEXT)
     count, model = 400_000, make_model("energy-estimate")
-    struck = Struck(uncertain, model, Limit(0.15), map, 1)
+    struck = Struck(uncertain, model, DisplacementLimit(0.15), map, 1)
     scores = np.random.default_rng(3).standard_normal((count, len(uncertain.inputs)))
     crude = float(np.mean(struck.failures(scores)))
     assert 5e-4 < crude < 3e-3
@@ -135,7 +135,7 @@ def test_crude_samples_agree():
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_car_park_column_collapses_with_one_in_a_million(seed):
     uncertain = uncertain_from_text(TEXT, CAR_PARK)
-    struck = Struck(uncertain, make_model("four-dof"), Limit(inf), map, 1)
+    struck = Struck(uncertain, make_model("four-dof"), DisplacementLimit(inf), map, 1)
     result = rare_probability(struck, len(uncertain.inputs), np.random.default_rng(seed))
     assert 1e-8 < result.probability < 1e-5
     assert result.cov <= 0.1

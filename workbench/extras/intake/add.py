@@ -20,7 +20,7 @@ from workbench.base.tables import FOUND_OUT, Reading, read_cells
 from workbench.extras.intake.conversion import Converted, convert
 from workbench.extras.intake.kinds import KINDS, Kind, kind_of, names_column, rows_of
 from workbench.extras.intake.mapping import Mapping, check_stated, read_mapping
-from workbench.studs.schema import Examination, Table, examined
+from workbench.studs.schema import Examination, TableSchema, examined
 from workbench.study.store import locked, write_atomically
 from workbench.study.tables import for_spreadsheets
 
@@ -122,7 +122,7 @@ def _common(statements: Mapping, kind: Kind) -> dict[str, str]:
     return {name: cell for name, cell in given.items() if cell is not None and name in known}
 
 
-def _examined(converted: Converted, table: Table) -> Examination:
+def _examined(converted: Converted, table: TableSchema) -> Examination:
     """The rows; a bad cell is named by the column of the file that it came from."""
     found = examined(converted.cells, table)
     problems = tuple(

@@ -16,20 +16,20 @@ from workbench.base.errors import InputError
 from workbench.base.fields import Number, did_you_mean
 from workbench.base.tables import Cells, text_of
 from workbench.extras.intake.mapping import Mapping
-from workbench.studs.schema import EXTRA, Column, Problem, Table, width_findings
+from workbench.studs.schema import EXTRA, CellProblem, TableColumn, TableSchema, width_findings
 
 _BRACKETS = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]+)[\])]")
 _PURE = {"": 1.0, "-": 1.0, "1": 1.0, "%": 0.01}  # units of what has no dimension
 
 
-class Place(NamedTuple):
+class ColumnMapping(NamedTuple):
     """A column of a table: its `name` there, the `column` of the schema, its `unit` ("": open).
 
     The column is None for one of the user's own; `factor`, what numbers are multiplied by.
     """
 
     name: str
-    column: Column | None
+    column: TableColumn | None
     unit: str = ""
     factor: float | None = None
 
@@ -51,22 +51,22 @@ class Converted:
     notes: tuple[str, ...]
 
 
-def find(name: str, table: Table) -> Place | None:
+def find(name: str, table: TableSchema) -> ColumnMapping | None:
     """The column of a schema that a name means, with the unit that the name says."""
     for column in table.columns:
         unit, base = column.unit, column.base
         if name == column.name:
-            return Place(name, column, unit)
+            return ColumnMapping(name, column, unit)
         if unit and name == base:
-            return Place(name, column)
+            return ColumnMapping(name, column)
         ending = name.removeprefix(f"{base}_").replace("_per_", "/")
         if unit and name.startswith(f"{base}_") and is_unit(ending):
-            return Place(name, column, ending)
+            return ColumnMapping(name, column, ending)
     return None
 
 
 def convert(
-    cells: Cells, table: Table, mapping: Mapping, constants: Dictionary[str, str]
+    cells: Cells, table: TableSchema, mapping: Mapping, constants: Dictionary[str, str]
 ) -> Converted:
     """The cells of a table in the form of a schema.
 
@@ -96,7 +96,7 @@ def convert(
     for line, texts in rows:
         wrong = width_findings(texts, len(places))
         if wrong:
-            raise Problem(name, line, *wrong[0]).error()
+            raise CellProblem(name, line, *wrong[0]).error()
         values = [
             _cell(text, place.factor, mapping.missing, cells)
             for text, place in zip(texts, places, strict=True)
@@ -107,7 +107,7 @@ def convert(
     return Converted(cells._replace(rows=converted), origin, (*cells.notes, *changes))
 
 
-def place_of(name: str, table: Table, mapping: Mapping, field: str) -> Place | None:
+def place_of(name: str, table: TableSchema, mapping: Mapping, field: str) -> ColumnMapping | None:
     """Where a column of a table belongs; None if it is to be ignored. Raises `InputError`."""
     if name in mapping.ignore:
         return None
@@ -125,7 +125,7 @@ def place_of(name: str, table: Table, mapping: Mapping, field: str) -> Place | N
             meant = meant._replace(unit="")
         return meant._replace(name=name, unit=unit or meant.unit)
     if (given or bare).startswith(EXTRA):
-        return Place(name, None)
+        return ColumnMapping(name, None)
     text, guess = "is no column of the workbench", did_you_mean(given or bare, table.names)
     if given:
         raise InputError(f"mapping, columns.{name}", given, text, guess)
@@ -144,7 +144,9 @@ def _check_mapping(mapping: Mapping, names: list[str]) -> None:
                 raise InputError(f"mapping, {part}", name, text, advice)
 
 
-def _unit_row(cells: Cells, places: list[Place | None], mapping: Mapping) -> list[str] | None:
+def _unit_row(
+    cells: Cells, places: list[ColumnMapping | None], mapping: Mapping
+) -> list[str] | None:
     """The units in the first row after the header, None if it holds a test."""
     if len(cells.rows) < 2 or mapping.unit_row is False:
         return None
@@ -163,7 +165,7 @@ def _unit_row(cells: Cells, places: list[Place | None], mapping: Mapping) -> lis
     return [spelled(text) for text in texts]
 
 
-def _scaled(place: Place, in_row: str, mapping: Mapping, name: str) -> Place:
+def _scaled(place: ColumnMapping, in_row: str, mapping: Mapping, name: str) -> ColumnMapping:
     """A column with the unit of its numbers and their factor, which words do not have."""
     column = place.column
     if column is None or not isinstance(column.rule, Number):
@@ -187,7 +189,7 @@ def _scaled(place: Place, in_row: str, mapping: Mapping, name: str) -> Place:
 
 
 def _constants(
-    mapping: Mapping, table: Table, places: list[Place | None], decimal: str
+    mapping: Mapping, table: TableSchema, places: list[ColumnMapping | None], decimal: str
 ) -> dict[str, str]:
     """Cells that the mapping gives for all rows, by column of the schema."""
     taken = {place.target: place.name for place in places if place}
@@ -224,7 +226,9 @@ def _cell(cell: str, by: float | None, missing: tuple[str, ...], cells: Cells) -
     return text_of(float(f"{number * by:.12g}"), cells.decimal)
 
 
-def _changes(places: Iterator[Place], mapping: Mapping) -> tuple[dict[str, str], tuple[str, ...]]:
+def _changes(
+    places: Iterator[ColumnMapping], mapping: Mapping
+) -> tuple[dict[str, str], tuple[str, ...]]:
     """Where converted columns are from, and what was changed, one sentence per column."""
     origin, notes = {}, []
     for name, column, unit, by in places:

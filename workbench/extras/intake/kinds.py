@@ -16,7 +16,7 @@ from workbench.extras.intake.impact_tests import suspicion as of_impacts
 from workbench.extras.intake.mapping import Mapping
 from workbench.responses import Finding
 from workbench.studs import suspicion as of_studs
-from workbench.studs.schema import POINTS, TESTS, Table, examine, examined
+from workbench.studs.schema import POINTS, TESTS, TableSchema, examine, examined
 from workbench.studs.tables import SHIPPED, same_contents
 
 
@@ -27,7 +27,7 @@ class Kind(NamedTuple):
     unless the mapping does; `then`, what to do next, and `fit`, what else with rows to fit.
     """
 
-    table: Table
+    table: TableSchema
     source: str
     suspicions: Callable[[pd.DataFrame], list[Finding]]
     copies: Callable[[pd.DataFrame], list[tuple[str, str]]]

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.base.arrays import Array
 from workbench.extras.laboratory.complementarity import Restitution
-from workbench.extras.laboratory.problems import Problem
+from workbench.extras.laboratory.problems import BenchProblem
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.fibers import BeamSection
 from workbench.mechanics.structures.fibers.section import LinearHardening, ReissnerBeams
@@ -94,7 +94,7 @@ class ColumnSystem(_Struck):
         return stored, float(state["dissipated"])
 
 
-def column_problem() -> Problem:
+def column_problem() -> BenchProblem:
     """The column of the thesis hit at 15 m/s, with a head mass.
 
     Plastic flow is committed step by step, so that event-driven steps are of first order here too.
@@ -108,7 +108,7 @@ def column_problem() -> Problem:
     )
     striker = 1500.0
     start = tuple(ColumnSystem(column, striker).start), (0.0, 0.0, 0.0, 15.0)
-    return Problem(
+    return BenchProblem(
         "column of four unknowns",
         "certified",
         *(lambda: ColumnSystem(column, striker), Restitution(0.0), start, 0.03),
@@ -181,13 +181,13 @@ def _portal() -> StructureSystem:
     return StructureSystem(portal, portal.dof(1, "u"), 200.0)
 
 
-def frame_problem() -> Problem:
+def frame_problem() -> BenchProblem:
     """An elastic-plastic portal hit by 200 kg at 10 m/s: two fifths of the energy dissipate.
 
     As of the column, its answer is of first order; two schemes meet to two thousandths.
     """
     start = _portal().start
-    return Problem(
+    return BenchProblem(
         "struck frame",
         "certified",
         *(_portal, Restitution(0.0), (tuple(start), (*np.zeros(len(start) - 1), 10.0)), 0.03),

@@ -10,7 +10,7 @@ import numpy as np
 
 from workbench.extras.laboratory.scenario import ImpactProblem
 from workbench.report.page.formatting import number
-from workbench.report.page.markdown import ABSENT, Cell, Column, Markdown, Table
+from workbench.report.page.markdown import ABSENT, Cell, Markdown, PageColumn, Table
 from workbench.report.page.page import Page
 from workbench.report.stored import Stored
 from workbench.responses import Response
@@ -58,8 +58,8 @@ def in_short(study: Study, stored: Stored) -> Markdown:
         return Markdown()
     problems = [case.name for case in cases if any(case.name in row for row in entries.values())]
     columns = (
-        Column("scheme", width=2.0, of=lambda item: str(item[0])),
-        *(Column(name, width=1.0, of=partial(_cell, name)) for name in problems),
+        PageColumn("scheme", width=2.0, of=lambda item: str(item[0])),
+        *(PageColumn(name, width=1.0, of=partial(_cell, name)) for name in problems),
     )
     reached = Counter(n for n, row in entries.items() for e in row.values() if e and e.work)
     rows = sorted(entries.items(), key=lambda item: -reached[item[0]])

@@ -15,10 +15,10 @@ from workbench.base.arrays import Array
 from workbench.base.errors import SolverError
 from workbench.base.fields import Choice, Number, checked
 from workbench.extras.laboratory.impact_systems import PROBLEMS as STRUCTURES
-from workbench.extras.laboratory.problems import Problem, problem
+from workbench.extras.laboratory.problems import BenchProblem, problem
 from workbench.extras.laboratory.scenario import ImpactProblem
 from workbench.extras.laboratory.schemes import SCHEMES
-from workbench.extras.laboratory.systems import Run, run
+from workbench.extras.laboratory.systems import SystemRecord, run
 from workbench.models.base import Answering
 from workbench.responses import Finding, Response, build_response
 
@@ -31,7 +31,7 @@ _POINTS = 800
 _ROUNDING = 1e-10
 
 
-def problem_of(name: str) -> Problem:
+def problem_of(name: str) -> BenchProblem:
     """The problem of this name: those of the laboratory, the column and the frame."""
     return STRUCTURES[name]() if name in STRUCTURES else problem(name)
 
@@ -42,7 +42,9 @@ def _answer(name: str, steps: int) -> Array:
     return given.answer(np.linspace(0.0, given.duration, steps + 1))
 
 
-def _response(given: Problem, places: dict[str, Array], ladder: dict[str, Any], **scalars: Any):
+def _response(
+    given: BenchProblem, places: dict[str, Array], ladder: dict[str, Any], **scalars: Any
+):
     """A response with the numbers of a ladder, and records of the last unknown."""
     steps = len(next(iter(places.values()))) - 1
     pick = np.unique(np.linspace(0, steps, min(steps, _POINTS) + 1).round().astype(int))
@@ -99,14 +101,16 @@ class ImpactIntegrator(Answering):
         response.attrs["solve_time"] = finest_run.seconds
         return response
 
-    def _climb(self, given: Problem, exact: Array) -> tuple[dict[str, Any], Run | None, str]:
+    def _climb(
+        self, given: BenchProblem, exact: Array
+    ) -> tuple[dict[str, Any], SystemRecord | None, str]:
         """The ladder held against the `exact` places at its finest steps; its last run, or why not.
 
         Errors and evaluations of runs that do not converge are NaN.
         """
         finest, size = len(exact) - 1, float(np.abs(exact).max())
         ladder: dict[str, Any] = {name: np.full(self.runs, np.nan) for name in LADDER}
-        finest_run: Run | None = None
+        finest_run: SystemRecord | None = None
         lost = ""
         for level in range(self.runs):
             steps = given.steps * 2**level
@@ -138,7 +142,7 @@ def _order(errors: Array) -> float | None:
     return float(-slope)
 
 
-def _scalars(given: Problem, finest_run: Run) -> dict[str, float | None]:
+def _scalars(given: BenchProblem, finest_run: SystemRecord) -> dict[str, float | None]:
     """Conditions of contact in the finest run."""
     counted = given.impacts is not None
     return {

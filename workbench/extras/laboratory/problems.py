@@ -26,7 +26,7 @@ HEIGHTS = 0.8, 0.85, 0.9, 0.95, 1.05, 1.1, 1.15
 
 
 @dataclass(frozen=True)
-class Problem:
+class BenchProblem:
     """A system that meets obstacles, and what becomes of it.
 
     Arguments: `title`; `source` of the answer in words; `system` makes it new; `law`; `start`, q
@@ -48,7 +48,7 @@ class Problem:
     impacts: int | None = None
     conservative: bool = False
     certified: float = 1e-6
-    others: "tuple[Problem, ...]" = ()
+    others: "tuple[BenchProblem, ...]" = ()
 
     def answer(self, times: Array) -> Array:
         """Places (k, n) at equidistant times (k,) from 0 to the duration."""
@@ -74,9 +74,9 @@ def flights(e: float, height: float, times: Array) -> Array:
     return places[:, None]
 
 
-def ball(e: float, height: float = 0.3, heights: tuple[float, ...] = HEIGHTS) -> Problem:
+def ball(e: float, height: float = 0.3, heights: tuple[float, ...] = HEIGHTS) -> BenchProblem:
     """A ball that bounces on the floor; `heights` of other starts over its own."""
-    return Problem(
+    return BenchProblem(
         f"ball, e = {e:g}",
         "parabolas; impacts accumulate where e < 1",
         *(partial(springs, [1.0], (), [{0: 1.0}], [0.0], [-G]), Restitution(e)),
@@ -88,7 +88,7 @@ def ball(e: float, height: float = 0.3, heights: tuple[float, ...] = HEIGHTS) ->
     )
 
 
-def table() -> Problem:
+def table() -> BenchProblem:
     """A ball that bounces once in every period of a vibrating table."""
     e, period, speed = 0.5, 0.2, 0.45  # the last of the table, amplitude times frequency
     w, up = 2.0 * pi / period, 0.5 * G * period
@@ -104,12 +104,12 @@ def table() -> Problem:
     tau = -phase / w % period
     start = (float(exact(np.zeros(1))[0, 0]),), (up - G * tau,)
     source = "closed form of the periodic motion (Holmes 1982)"
-    return Problem(
+    return BenchProblem(
         "ball on a table", source, system, Restitution(e), start, 2.0, exact, 100, impacts=10
     )
 
 
-def two_masses(e: float = 0.5) -> Problem:
+def two_masses(e: float = 0.5) -> BenchProblem:
     """A lorry's mass hits a free one at rest."""
     heavy, light, speed, gap = 1500.0, 100.0, 20.0, 0.1
     after = heavy * speed / (heavy + light)
@@ -121,7 +121,7 @@ def two_masses(e: float = 0.5) -> Problem:
         return np.column_stack([first, (after + heavy * kick) * tau])
 
     system = partial(springs, [heavy, light], contacts=[{0: -1.0, 1: 1.0}], gaps=[gap])
-    return Problem(
+    return BenchProblem(
         "two masses",
         "momentum and restitution",
         *(system, Restitution(e), ((0.0, 0.0), (speed, 0.0)), 0.02, exact),
@@ -129,7 +129,7 @@ def two_masses(e: float = 0.5) -> Problem:
     )
 
 
-def cradle(law: str = "newton", coefficients: tuple[float, ...] = (1.0,)) -> Problem:
+def cradle(law: str = "newton", coefficients: tuple[float, ...] = (1.0,)) -> BenchProblem:
     """A ball hits two that touch: three equal balls, both contacts at once."""
     first, second = (*coefficients, *coefficients)[:2]
     ends = np.array([1.0 - 2.0 * first, 1.0 + first, 1.0 + first]) / 3.0
@@ -145,7 +145,7 @@ def cradle(law: str = "newton", coefficients: tuple[float, ...] = (1.0,)) -> Pro
 
     pairs: list[dict[int, float]] = [{0: -1.0, 1: 1.0}, {1: -1.0, 2: 1.0}]
     system = partial(springs, [1.0] * 3, contacts=pairs, gaps=[gap, 0.0])
-    return Problem(
+    return BenchProblem(
         "cradle",
         f"simultaneous impacts by the law of {law.title()}",
         *(system, Restitution(coefficients, law), ((0.0,) * 3, (1.0, 0.0, 0.0)), 0.4, exact),
@@ -154,7 +154,7 @@ def cradle(law: str = "newton", coefficients: tuple[float, ...] = (1.0,)) -> Pro
     )
 
 
-def oscillator(distance: float = 0.6) -> Problem:
+def oscillator(distance: float = 0.6) -> BenchProblem:
     """An oscillator of amplitude and frequency 1 against an elastic wall; at 1 m it grazes."""
     quarter = asin(distance)
     period = 2.0 * quarter + pi
@@ -166,7 +166,7 @@ def oscillator(distance: float = 0.6) -> Problem:
     system = partial(springs, [1.0], [({0: 1.0}, (1.0,), 0.0)], [{0: 1.0}], [distance])
     grazes = distance >= 1.0
     duration = 10.0
-    return Problem(
+    return BenchProblem(
         "grazing" if grazes else "oscillator",
         "harmonic between impacts",
         *(system, Restitution(1.0), ((0.0,), (-1.0,)), duration),
@@ -176,7 +176,7 @@ def oscillator(distance: float = 0.6) -> Problem:
     )
 
 
-def bar(elements: int = 20) -> Problem:
+def bar(elements: int = 20) -> BenchProblem:
     """A linear bar (length, mass, stiffness and wave speed 1) hits a rigid wall at 0.1.
 
     D'Alembert's bar leaves after 2 L / c as fast as it came. Lumped into elements its first mass
@@ -187,10 +187,10 @@ def bar(elements: int = 20) -> Problem:
     laws = [({i: -1.0, i + 1: 1.0}, (float(n),), 0.0) for i in range(n)]
     system = partial(springs, masses, laws, [{0: 1.0}], [gap])
     start = (0.0,) * (n + 1), (-0.1,) * (n + 1)
-    return Problem("bar", "certified", system, Restitution(0.0), start, 3.5, steps=100)
+    return BenchProblem("bar", "certified", system, Restitution(0.0), start, 3.5, steps=100)
 
 
-def soft_impact(yield_force: float | None = None) -> Problem:
+def soft_impact(yield_force: float | None = None) -> BenchProblem:
     """Figure 3.1 of the thesis: a vehicle of stiffness R1 meets a mass on a spring R2."""
     masses, r1, r2 = (1500.0, 2000.0), 3e5, 2e6
     start = (0.0, 0.0), (10.0, 0.0)
@@ -221,7 +221,7 @@ def soft_impact(yield_force: float | None = None) -> Problem:
         return np.where((times <= apart)[:, None], touching(times), left)
 
     elastic = yield_force is None
-    return Problem(
+    return BenchProblem(
         "soft impact" if elastic else "soft impact, plastic",
         "two modes until the vehicle leaves" if elastic else "certified",
         *(partial(springs, masses, laws), Restitution(0.0), start, 0.3, exact if elastic else None),
@@ -230,14 +230,14 @@ def soft_impact(yield_force: float | None = None) -> Problem:
     )
 
 
-def duffing() -> Problem:
+def duffing() -> BenchProblem:
     """A hardening oscillator, q'' + q + q^3 = 0, with a stop at -0.5."""
     system = partial(springs, [1.0], [({0: 1.0}, (1.0, 1.0), 0.0)], [{0: 1.0}], [0.5])
     start = (1.0,), (0.0,)
-    return Problem("Duffing", "certified", system, Restitution(0.8), start, 10.0, steps=80)
+    return BenchProblem("Duffing", "certified", system, Restitution(0.8), start, 10.0, steps=80)
 
 
-PROBLEMS: dict[str, Callable[[], Problem]] = {
+PROBLEMS: dict[str, Callable[[], BenchProblem]] = {
     "ball": lambda: ball(0.5),
     "ball-lively": lambda: ball(0.9),
     "ball-elastic": lambda: ball(1.0, 0.05),
@@ -254,7 +254,7 @@ PROBLEMS: dict[str, Callable[[], Problem]] = {
 
 
 @cache
-def problem(name: str) -> Problem:
+def problem(name: str) -> BenchProblem:
     """The problem of this name. Raises `InputError`."""
     if name not in PROBLEMS:
         advice = did_you_mean(name, PROBLEMS)

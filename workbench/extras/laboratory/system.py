@@ -52,7 +52,7 @@ class Penalty(Declared, table="penalty"):
 
 
 @dataclass(eq=False)
-class Springs:
+class SpringSystem:
     """Masses on springs; `springs` makes it from what a problem says.
 
     Arguments: diagonal `mass` (n, n); `normals` (n, m); springs, each along its row of `along`
@@ -134,7 +134,7 @@ def springs(
     gaps: Sequence[float] = (),
     load: Sequence[float] | None = None,
     swing: tuple[float, float] = (0.0, 0.0),
-) -> Springs:
+) -> SpringSystem:
     """A system of masses (kg) on springs.
 
     Arguments: `masses`; `laws`, springs as (unknown to factor, law, offset in m), the law (k,) or
@@ -149,7 +149,7 @@ def springs(
             raise InputError(f"problem.laws.{i}", law, "must be (unknown to factor, law, offset)")
     rows = [_spring(f"problem.laws.{i}.law", law) for i, (_, law, _) in enumerate(laws)]
     size, frequency = numbers("swing", swing, _SWING, 2, "amplitude and circular frequency")
-    return Springs(
+    return SpringSystem(
         np.diag(mass),
         np.ascontiguousarray(_rows("contacts", contacts, n).T),
         _rows("laws", [along for along, _, _ in laws], n),

@@ -25,7 +25,7 @@ _ITERATIONS = 40
 _TOLERANCE = 1e-14
 
 
-class State(NamedTuple):
+class SystemState(NamedTuple):
     """Unknowns, velocities, accelerations (n,), contact forces (m,) in N, time in s."""
 
     q: Array
@@ -35,7 +35,7 @@ class State(NamedTuple):
     t: float
 
 
-class Law(NamedTuple):
+class RestitutionLaw(NamedTuple):
     """Restitution as the steps take it: coefficients (m,) and whether it is Poisson's.
 
     `turns`, at most, of the fixed point that finds impulses (0: they are found by pivoting).
@@ -46,14 +46,14 @@ class Law(NamedTuple):
     turns: int = 0
 
 
-class Step(NamedTuple):
+class SystemStep(NamedTuple):
     """A step taken: `state` at its end, `impulses` (m,) in N s, residual evaluations, residual.
 
     `loss` is the energy (J) lost in its contacts, NaN for minus the work of the impulses on the
     mean gap velocities; `stored` that which the contacts hold at its end.
     """
 
-    state: State
+    state: SystemState
     impulses: Array
     evaluations: int
     residual: float
@@ -61,7 +61,7 @@ class Step(NamedTuple):
     stored: float = 0.0
 
 
-Stepper = Callable[[Any, Law, State, float], Step]
+Stepper = Callable[[Any, RestitutionLaw, SystemState, float], SystemStep]
 
 
 def gaps_of(system: System, q: Array, t: float) -> Array:
@@ -74,14 +74,20 @@ def rates_of(system: System, v: Array, t: float) -> Array:
     return np.asarray(system.normals.T @ v + system.surface(t)[1])
 
 
-def forecast(system: System, state: State, reach: float, slack: float = SLACK) -> Flags:
+def forecast(system: System, state: SystemState, reach: float, slack: float = SLACK) -> Flags:
     """Contacts whose gap, forecast for `reach` in s ahead, is closed: not above `slack` in m."""
     closing = np.minimum(rates_of(system, state.v, state.t), 0.0)
     return np.asarray(gaps_of(system, state.q, state.t) + reach * closing <= slack)
 
 
 def impulses_on(
-    system: System, law: Law, closed: Flags, matrix: Array, free: Array, state: State, t: float
+    system: System,
+    law: RestitutionLaw,
+    closed: Flags,
+    matrix: Array,
+    free: Array,
+    state: SystemState,
+    t: float,
 ) -> tuple[Array, Array, float]:
     """Velocities after the impulses of the closed contacts, and those; `free` is without them.
 
@@ -100,7 +106,13 @@ def impulses_on(
 
 
 def implicit(
-    system: System, law: Law, state: State, h: float, theta: float, shift: Array, closed: Flags
+    system: System,
+    law: RestitutionLaw,
+    state: SystemState,
+    h: float,
+    theta: float,
+    shift: Array,
+    closed: Flags,
 ) -> tuple[Array, Array, Array, int, float]:
     """Velocities of M (v1 - v0) + h f = W P by Newton's method with the contact law inside.
 
@@ -159,7 +171,7 @@ class Conditions(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Run:
+class SystemRecord:
     """A record at times `t` (k,): `q`, `v` (k, n), `gaps`, `rates`, `impulses` (k, m).
 
     The impulses are those of the step that ends there. `energies` (k, 3) in J: kinetic, stored
@@ -227,7 +239,7 @@ def run(
     start: tuple[Sequence[float] | Array, Sequence[float] | Array],
     duration: float,
     h: float,
-) -> Run:
+) -> SystemRecord:
     """Follow a system with one integrator.
 
     Arguments: `system`, used up by the run where it is plastic; `law`; `start`, q and v (n,);
@@ -246,10 +258,10 @@ def run(
         raise InputError("problem.masses", None, "must make a positive definite mass matrix")
     q, v = _begin(system, start)
     m = system.normals.shape[1]
-    given = Law(law.each(m), law.law == "poisson")
+    given = RestitutionLaw(law.each(m), law.law == "poisson")
     a = np.asarray(-np.linalg.solve(mass, system.forces(q)[0]), dtype=float)
     system.commit(q)
-    states = [State(q, v, a, np.zeros(m), 0.0)]
+    states = [SystemState(q, v, a, np.zeros(m), 0.0)]
     impulses, energies = [np.zeros(m)], [(*system.energy(), 0.0)]
     evaluations, begin = 0, perf_counter()
     for n in range(1, count + 1):
@@ -272,7 +284,9 @@ def run(
     stored_dissipated, losses = np.split(np.array(energies), [2], axis=1)
     kinetic = 0.5 * np.einsum("ki,ij,kj->k", v, mass, v)
     moved = np.column_stack([kinetic, stored_dissipated])
-    return Run(t, q, v, gaps, rates, np.array(impulses), moved, losses[:, 0], evaluations, seconds)
+    return SystemRecord(
+        t, q, v, gaps, rates, np.array(impulses), moved, losses[:, 0], evaluations, seconds
+    )
 
 
 def _begin(system: System, start: Any) -> tuple[Array, Array]:

@@ -17,7 +17,7 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.base.errors import OutOfDomainError
-from workbench.models.resistance import Mechanism, ResistanceCurve, mechanism_of
+from workbench.models.resistance import PlasticMechanism, ResistanceCurve, mechanism_of
 from workbench.models.resistance import curve as events
 from workbench.models.resistance.curve import LINEAR
 from workbench.models.resistance.kernels import PIECE, falling_root
@@ -35,7 +35,7 @@ _COMMON = (
 )
 
 
-def trilinear(mechanism: Mechanism) -> ResistanceCurve:
+def trilinear(mechanism: PlasticMechanism) -> ResistanceCurve:
     """Elastic line, plateau, straight line to the rope."""
     F0, ke, vy, _, v_nd, v_c = simplified_points(mechanism.kernel)
     arm = mechanism.plastic_moment / mechanism.squash_load
@@ -52,7 +52,7 @@ def trilinear(mechanism: Mechanism) -> ResistanceCurve:
     return ResistanceCurve(TRILINEAR, mechanism, pieces, vy)
 
 
-def profile(mechanism: Mechanism, stretching: float) -> ResistanceCurve:
+def profile(mechanism: PlasticMechanism, stretching: float) -> ResistanceCurve:
     """Axial force of an assumed profile, moment by the interaction; `stretching` Lambda in 1/m."""
     S, kappa = float(mechanism.rotation_rates.sum()), mechanism.slope_sum
     Mp, Np, N0 = mechanism.plastic_moment, mechanism.squash_load, mechanism.axial_force
@@ -90,7 +90,7 @@ def profile(mechanism: Mechanism, stretching: float) -> ResistanceCurve:
     return ResistanceCurve(PROFILE, mechanism, pieces, v_y)
 
 
-def rigid_plastic(mechanism: Mechanism) -> ResistanceCurve:
+def rigid_plastic(mechanism: PlasticMechanism) -> ResistanceCurve:
     """Event-driven curve whose plastic hinges turn with the whole mechanism."""
     s, K, phi, kappa, Mp, Np, N0, c, corner = mechanism.kernel
     pieces, unloads = analytic((s, K, np.zeros_like(phi), kappa, Mp, Np, N0, c, corner))

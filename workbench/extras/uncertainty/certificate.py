@@ -18,7 +18,7 @@ from workbench.extras.uncertainty.critical_velocity import (
     LEAST_LIMIT,
     MOST_LIMIT,
     VELOCITIES,
-    Limit,
+    DisplacementLimit,
     Ratio,
 )
 from workbench.extras.uncertainty.fragility import (
@@ -244,7 +244,7 @@ def _setup(content: Mapping[str, Any], references: int, jobs: int) -> Setup:
         models.append(model)
     d = content["limit"]
     rule = Number(LEAST_LIMIT, MOST_LIMIT, "m")
-    limit = Limit(inf if d == "collapse" else rule.check("certificate.limit", d))
+    limit = DisplacementLimit(inf if d == "collapse" else rule.check("certificate.limit", d))
     ends = Many(VELOCITIES, 2, 2).check("certificate.velocities", content["velocities"])
     if not ends[0] < ends[1]:
         raise InputError("certificate.velocities", list(ends), "must rise")

@@ -47,7 +47,7 @@ class Span(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Question:
+class SampleRequest:
     """A model is asked for samples of an uncertain scenario: its `text` as TOML, the `seed`."""
 
     text: str
@@ -130,7 +130,7 @@ class Chunk(NamedTuple):
 
 
 def answer_chunks(
-    question: Question,
+    question: SampleRequest,
     folder: Path,
     spans: Sequence[Span],
     whole: Span,
@@ -153,7 +153,7 @@ def answer_chunks(
     return [finished[span] for span in spans]
 
 
-def _finished(question: Question, folder: Path) -> dict[Span, Chunk]:
+def _finished(question: SampleRequest, folder: Path) -> dict[Span, Chunk]:
     """Chunks of a question by their rows; damaged ones go."""
     finished = {}
     for file in folder.glob(f"{question.key}-*.nc"):
@@ -166,7 +166,7 @@ def _finished(question: Question, folder: Path) -> dict[Span, Chunk]:
 
 
 def _answered(
-    question: Question, spans: Sequence[Span], jobs: int, scheduler: str | None
+    question: SampleRequest, spans: Sequence[Span], jobs: int, scheduler: str | None
 ) -> Iterator[tuple[Span, pd.DataFrame]]:
     """Rows of chunks with their answers, as they get ready."""
     if scheduler is not None:
@@ -186,7 +186,7 @@ def _answered(
         yield from ((span, joined(islice(tables, len(some)))) for span, some in blocks.items())
 
 
-def _encoded(question: Question, span: Span, whole: Span, table: pd.DataFrame) -> bytes:
+def _encoded(question: SampleRequest, span: Span, whole: Span, table: pd.DataFrame) -> bytes:
     """The content of a chunk."""
     variables: dict[str, Any] = {}
     for name, column in table.items():

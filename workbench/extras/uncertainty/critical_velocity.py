@@ -34,7 +34,7 @@ LEAST_LIMIT, MOST_LIMIT = 1e-6, 100.0  # m
 VELOCITIES = Number(0.01, 500.0, "m/s")  # ends of a range
 
 
-class Limit(NamedTuple):
+class DisplacementLimit(NamedTuple):
     """Limit that must not be exceeded: a peak displacement (m), or collapse (infinite)."""
 
     displacement: float
@@ -73,11 +73,11 @@ class Asked:
         return peak if survives(response) is not None else nan
 
 
-def limit_of(text: str) -> Limit:
+def limit_of(text: str) -> DisplacementLimit:
     """Read a limit: ``collapse`` or ``displacement=0.1`` (m, or with a unit)."""
     name, equals, value = text.partition("=")
     if text.strip() == "collapse":
-        return Limit(inf)
+        return DisplacementLimit(inf)
     if name.strip() != "displacement" or not equals:
         text_ = "must be collapse or displacement=METRES"
         raise InputError("--limit", text, text_, "such as displacement=0.1 or displacement=100mm")
@@ -88,7 +88,7 @@ def limit_of(text: str) -> Limit:
     if number is None:
         raise InputError("--limit", text, "must give a displacement in m", "such as 0.1 or 100 mm")
     Number(LEAST_LIMIT, MOST_LIMIT).check("--limit", number)
-    return Limit(number)
+    return DisplacementLimit(number)
 
 
 Search = Generator[float, float, Root]
@@ -97,7 +97,7 @@ PeaksAt = Callable[[Indices, Array], Array]  # peaks (rows,) of some rows, each 
 
 def critical_velocity(
     peak_at: Callable[[float], float],
-    limit: Limit,
+    limit: DisplacementLimit,
     start: float,
     ends: tuple[float, float],
     close: float = CLOSE,
@@ -128,7 +128,7 @@ def in_step(searches: Sequence[Search], peaks_at: PeaksAt) -> list[Root]:
 
 
 def search(
-    limit: Limit,
+    limit: DisplacementLimit,
     start: float,
     ends: tuple[float, float],
     close: float = CLOSE,
@@ -182,7 +182,9 @@ def search(
     return Root(nan, NO_ANSWER, MOST_RUNS)
 
 
-def slopes_at(peaks_at: PeaksAt, rows: Indices, log_velocity: Array, limit: Limit) -> Array:
+def slopes_at(
+    peaks_at: PeaksAt, rows: Indices, log_velocity: Array, limit: DisplacementLimit
+) -> Array:
     """Slopes d ln peak / d ln velocity at critical velocities, from two runs beside each.
 
     NaN where there is none, as at a collapse.
@@ -196,7 +198,7 @@ def slopes_at(peaks_at: PeaksAt, rows: Indices, log_velocity: Array, limit: Limi
     return np.asarray(np.clip(slopes, *SLOPES))
 
 
-def grows(peaks_at: PeaksAt, rows: Indices, log_velocity: Array, limit: Limit) -> Flags:
+def grows(peaks_at: PeaksAt, rows: Indices, log_velocity: Array, limit: DisplacementLimit) -> Flags:
     """Whether the limit is still passed 5 % above the critical velocities, as far as is known."""
     peaks = peaks_at(rows, log_velocity + log(1.05))
     return np.asarray(np.isnan(peaks) | (peaks >= limit.displacement))
@@ -215,7 +217,11 @@ class Ratio(NamedTuple):
 
 
 def ratio_to_reference(
-    reference: Asked, slope: float, limit: Limit, log_velocity: float, ends: tuple[float, float]
+    reference: Asked,
+    slope: float,
+    limit: DisplacementLimit,
+    log_velocity: float,
+    ends: tuple[float, float],
 ) -> Ratio:
     """The log ratio of critical velocities at one sample, mostly by one run of the reference.
 

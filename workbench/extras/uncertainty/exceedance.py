@@ -15,7 +15,7 @@ import numpy as np
 from workbench.base.arrays import Array
 from workbench.base.errors import InputError, OutOfDomainError, WorkbenchError
 from workbench.base.fields import Flag, Number, Text, checked
-from workbench.extras.uncertainty.critical_velocity import Limit
+from workbench.extras.uncertainty.critical_velocity import DisplacementLimit
 from workbench.extras.uncertainty.fragility import fragility, survey
 from workbench.extras.uncertainty.fragility_curve import PROBABILITIES, Curve, reduced_curve
 from workbench.extras.uncertainty.inputs import uncertain_from_text
@@ -56,7 +56,7 @@ class Exceedance(Answering):
 
     def _solve(self, scenario: UncertainImpact) -> Response:
         uncertain = uncertain_from_text(scenario.text)
-        limit = Limit(inf if scenario.displacement is None else scenario.displacement)
+        limit = DisplacementLimit(inf if scenario.displacement is None else scenario.displacement)
         setup = Setup(
             uncertain,
             make_model(self.reduced),

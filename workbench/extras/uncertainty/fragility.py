@@ -24,7 +24,7 @@ from workbench.extras.uncertainty.critical_velocity import (
     CLOSE,
     NO_ANSWER,
     STRIDE,
-    Limit,
+    DisplacementLimit,
     Ratio,
     Root,
     grows,
@@ -89,7 +89,9 @@ class Samples:
         scores = self.population.inputs[place : place + 1]
         return scores, float(self.population.log_velocity[place]), ratio
 
-    def tasks(self, limit: Limit, numbers: Sequence[int]) -> list[tuple[Array, float, float]]:
+    def tasks(
+        self, limit: DisplacementLimit, numbers: Sequence[int]
+    ) -> list[tuple[Array, float, float]]:
         """Scores, ln critical velocity and slope at some of the references, as `ratio_at` takes."""
         places = self.places[list(numbers)]
         y = self.population.log_velocity[places]

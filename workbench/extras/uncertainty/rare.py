@@ -15,7 +15,7 @@ from scipy.special import logsumexp, ndtr, ndtri
 
 from workbench.base.arrays import Array, Flags
 from workbench.base.errors import InputError, WorkbenchError
-from workbench.extras.uncertainty.critical_velocity import COARSE, Limit
+from workbench.extras.uncertainty.critical_velocity import COARSE, DisplacementLimit
 from workbench.extras.uncertainty.fragility_curve import LEVEL
 from workbench.extras.uncertainty.inputs import UncertainScenario
 from workbench.extras.uncertainty.sample_runs import VELOCITY, Sampled, Setup, numbers_at
@@ -42,7 +42,12 @@ class Struck:
     """
 
     def __init__(
-        self, uncertain: UncertainScenario, model: object, limit: Limit, run: Run, jobs: int
+        self,
+        uncertain: UncertainScenario,
+        model: object,
+        limit: DisplacementLimit,
+        run: Run,
+        jobs: int,
     ) -> None:
         struck: Any = uncertain.base
         self.velocity: float = struck.striker.velocity
@@ -136,7 +141,7 @@ def rare_probability(
     return Rare(float(shares.mean()), scatter, points, silent, counts)
 
 
-class Mixture(NamedTuple):
+class SamplingMixture(NamedTuple):
     """Normal samples about points (points, inputs), by their shares, and wide ones.
 
     `wide`, deviation of those; their share is `DEFENSIVE`.
@@ -165,7 +170,9 @@ class Mixture(NamedTuple):
         return np.asarray(np.exp(-np.logaddexp(about, beside))), np.asarray(beside > about)
 
 
-def _mixture(structure: Struck, inputs: int, random: np.random.Generator) -> tuple[Mixture, int]:
+def _mixture(
+    structure: Struck, inputs: int, random: np.random.Generator
+) -> tuple[SamplingMixture, int]:
     """Points to sample about, and the runs of the model that it took to find them.
 
     The first by slopes of the margin, others from wide samples that fail before the planes through
@@ -196,7 +203,7 @@ def _mixture(structure: Struck, inputs: int, random: np.random.Generator) -> tup
         raise WorkbenchError(f"the structure {text}; take another limit, or wider distributions")
     beyond = ndtr(-np.linalg.norm(points, axis=1))
     shares = np.maximum(beyond / beyond.max(), LEAST_PART)
-    return Mixture(points, shares / shares.sum(), wide), runs
+    return SamplingMixture(points, shares / shares.sum(), wide), runs
 
 
 def _design_point(structure: Struck, inputs: int) -> tuple[Array | None, int]:

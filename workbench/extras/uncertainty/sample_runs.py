@@ -18,7 +18,7 @@ from workbench.extras.uncertainty.critical_velocity import (
     COARSE,
     STRIDE,
     Asked,
-    Limit,
+    DisplacementLimit,
     Ratio,
     Root,
     critical_velocity,
@@ -60,7 +60,7 @@ class Setup:
     uncertain: UncertainScenario
     reduced: Any
     reference: Any
-    limit: Limit
+    limit: DisplacementLimit
     ends: tuple[float, float]
     samples: int = 8192
     seed: int = 1

@@ -1,9 +1,10 @@
 """THE integrator: follows a structure and its striker through an impact, in compiled code.
 
 A model brings its own bundle of constants, committed and trial state and scratch, the *system* `s`
-(a NamedTuple of arrays and records, defined in a module), and plain compiled functions of it, a
-`Model`. The integrator never looks inside a system: it owns the striker, the clock, contact and its
-impulses, the length of steps, the peak, the timing of records, and what ends a run. One step:
+(a NamedTuple of arrays and records, defined in a module), and plain compiled functions of it,
+`StepFunctions`. The integrator never looks inside a system: it owns the striker, the clock, contact
+and its impulses, the length of steps, the peak, the timing of records, and what ends a run. One
+step:
 
 1. `march` asks `hit` where the structure is hit and how fast. Bodies that touch and approach
    collide at an instant if the hit point has a `mass` of its own (`kick`); else within a step.
@@ -137,7 +138,7 @@ def no_flow(s, dt):
     return 0.0
 
 
-class Model(NamedTuple):
+class StepFunctions(NamedTuple):
     """Functions of a model over its system `s`, compiled, bound when numba compiles an entry.
 
     `hit(s) -> place, speed`: of the hit point, committed, along the strike from its start (m, m/s).
@@ -188,7 +189,7 @@ def begin(drive, progress):
     return pace
 
 
-def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
+def march_of(model: StepFunctions, longer: float = LONGER, cut: float = CUT) -> Any:
     """The march of a model: `march(s, pace, progress, records) -> status, rows written`.
 
     `longer`: times as long a step may be as the one before; `cut`: least share of its length that a
@@ -347,7 +348,7 @@ def march_of(model: Model, longer: float = LONGER, cut: float = CUT) -> Any:
 RECORDS = 40, 20_000  # of a period in which a striker is crushed, of a whole record at most
 
 
-class Run(NamedTuple):
+class FollowedImpact(NamedTuple):
     """A followed impact: table of `records`, `progress` at the end, whether it `collapsed`."""
 
     records: Any
@@ -371,7 +372,7 @@ class Run(NamedTuple):
 
 @njit(cache=True, error_model="numpy")
 def standstill(records, progress, bounces):
-    """Peak (m) of an impact and its time (s), see `Run.peak`; NaN without one."""
+    """Peak (m) of an impact and its time (s), see `FollowedImpact.peak`; NaN without one."""
     time, v = records["time"], records["displacement"]
     largest, at, grows = signed_peak(time, v)
     if grows or not progress.peak > 0.0:
@@ -394,7 +395,7 @@ def follow(
     of: Any,
     striker: Striker | None = None,
     gravity: float = 0.0,
-) -> Run:
+) -> FollowedImpact:
     """Follow one impact by the compiled `entry` of a model.
 
     Arguments: the `tables` that it takes first; `pace`; the `drive` after it, see
@@ -407,7 +408,7 @@ def follow(
         progress["crush"] = law_of(striker)
     status, rows = entry(*tables, np.array((*pace, *drive)), progress, records)
     check_end(status, progress[0], pace)
-    return Run(records[:rows], progress[0], status == COLLAPSE)
+    return FollowedImpact(records[:rows], progress[0], status == COLLAPSE)
 
 
 def check_end(status: int, reached: Any, pace: Pace) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from workbench.base.arrays import Array, Indices
 from workbench.mechanics.structures import kernels
-from workbench.mechanics.structures.elements import Bars, ElementGroup, Step, StepEnergies
+from workbench.mechanics.structures.elements import Bars, ElementGroup, StepEnergies, StepRequest
 
 COMPONENTS = {"u": 0, "v": 1, "rotation": 2}
 
@@ -175,7 +175,7 @@ class PlanarAssembly:
     def _forces(self, end: Array, weight: float | None, tangent: bool) -> Array:
         force = self._force = np.zeros(self.size)
         share, dynamic = (1.0, False) if weight is None else (weight, True)
-        step = Step(
+        step = StepRequest(
             force, self.band, self.displacement, end, share, dynamic, self._duration, tangent
         )
         for group in self.groups:

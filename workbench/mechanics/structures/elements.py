@@ -36,7 +36,7 @@ class Bars(NamedTuple):
     relative: bool = False
 
 
-class Step(NamedTuple):
+class StepRequest(NamedTuple):
     """Step of an assembly for its groups: forces and tangent at the displacements `end`.
 
     `force` (dofs,) and flat `band` to add to; committed displacements `start` (dofs,). If
@@ -116,7 +116,7 @@ class ElementGroup(ABC):
             setattr(other, name, type(state)(*(values.copy() for values in state)))
         return other
 
-    def assemble(self, step: Step) -> None:
+    def assemble(self, step: StepRequest) -> None:
         """Add forces and tangent of a step from the committed state; keep the trial state."""
         self.kernels.assemble(step, self.bars, *self.tables, self._old, self._new)
 
@@ -256,7 +256,7 @@ class JointSprings(ElementGroup):
             raise ValueError("joint springs connect nodes at one place")
         super().place(bars)
 
-    def assemble(self, step: Step) -> None:
+    def assemble(self, step: StepRequest) -> None:
         """Add moments and tangent of a step from the committed state; keep the trial state."""
         first, second = self.bars.dofs[:, 2], self.bars.dofs[:, 5]
         old, new, k = self._old, self._new, self._stiffness

@@ -114,7 +114,7 @@ class Pull(NamedTuple):
     touch: float
 
 
-class Trial(NamedTuple):
+class SolvedStep(NamedTuple):
     """A solved step: `solution` and end `velocity` (dofs,).
 
     Of an impact the contact `impulse` in N s, and whether the state of contact is `admissible`.
@@ -136,7 +136,7 @@ def solve_step(
     damping: float = 0.0,
     pull: Pull | None = None,
     ahead: Array | None = None,
-) -> Trial:
+) -> SolvedStep:
     """Solve one step from the committed state; the trial state stays in the groups.
 
     Arguments: `dt` in s; `weight` of the end stresses in energy-exact forces; `load` (dofs,) of
@@ -165,7 +165,7 @@ def solve_step(
     solution = newton(evaluate, allow, assembly.solve, first, ITERATIONS)
     velocity = 2.0 * (solution.x - x0) / dt - v0
     velocity[assembly.held] = 0.0
-    return Trial(solution, velocity)
+    return SolvedStep(solution, velocity)
 
 
 def commit(
@@ -358,7 +358,7 @@ class _Stepper:
             closed = not closed
         return None, evaluations, residual
 
-    def _attempt(self, dt: float, closed: bool, approach: float) -> Trial:
+    def _attempt(self, dt: float, closed: bool, approach: float) -> SolvedStep:
         """Solve one step with the contact closed or open; tell whether that was admissible."""
         striker = self.striker
         free = striker.velocity + dt * striker.gravity
@@ -370,7 +370,7 @@ class _Stepper:
         impulse = striker.mass * (touch - end)
         return trial._replace(impulse=impulse, admissible=impulse >= 0.0)
 
-    def _solve(self, dt: float, pull: Pull | None) -> Trial:
+    def _solve(self, dt: float, pull: Pull | None) -> SolvedStep:
         """Solve one step with a contact that pulls so, or none."""
         return solve_step(
             self.assembly,
@@ -411,7 +411,7 @@ class _Stepper:
                 return self._commit(trial._replace(impulse=impulse), dt, approach), evaluations, 0.0
         return None, evaluations, trial.solution.residual
 
-    def _commit(self, trial: Trial, dt: float, approach: float) -> TimeStep:
+    def _commit(self, trial: SolvedStep, dt: float, approach: float) -> TimeStep:
         """Commit a solved step and account for its energies."""
         assembly, striker, end = self.assembly, self.striker, trial.solution.x
         self._rate = (end - assembly.displacement) / dt

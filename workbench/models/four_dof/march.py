@@ -24,7 +24,7 @@ from workbench.mechanics.impact.integrator import (
     COMMON,
     DONE,
     PROGRESS,
-    Model,
+    StepFunctions,
     begin,
     march_of,
     standstill,
@@ -389,7 +389,7 @@ def kick(s, dv):
     s.states[0].w[V] += dv
 
 
-_march = march_of(Model(hit, solve, settle, accept, write, lost, mass=mass_of, kick=kick))
+_march = march_of(StepFunctions(hit, solve, settle, accept, write, lost, mass=mass_of, kick=kick))
 
 
 @called

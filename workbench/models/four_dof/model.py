@@ -24,10 +24,10 @@ from workbench.base.fields import Choice, Flag, Number, checked
 from workbench.mechanics.frames.collapse import COLLAPSE_SIDEWAYS
 from workbench.mechanics.frames.members import shear_stiffness
 from workbench.mechanics.frames.runs import resting
-from workbench.mechanics.impact.integrator import Run, follow, followed, histories_of
+from workbench.mechanics.impact.integrator import FollowedImpact, follow, followed, histories_of
 from workbench.mechanics.impact.pace import Pace
 from workbench.models.base import Answering
-from workbench.models.batch import SURVIVES, UNKNOWN, Answers
+from workbench.models.batch import SURVIVES, UNKNOWN, BatchAnswers
 from workbench.models.domain import (
     buckles,
     buckling_findings,
@@ -254,7 +254,9 @@ class RigidBars(Answering):
         response.attrs |= {"solve_time": solved, "dead_displacement": float(bars["sag"])}
         return response
 
-    def _march(self, scenario: ColumnImpact, pace: Pace, weight: float) -> tuple[Any, Run]:
+    def _march(
+        self, scenario: ColumnImpact, pace: Pace, weight: float
+    ) -> tuple[Any, FollowedImpact]:
         """The bars, under their `weight` (N), and the records of one run; raises as `simulate`."""
         striker = scenario.striker
         (table, q), tables = self._bars_of(scenario.column), self._tables(scenario.column)
@@ -366,7 +368,7 @@ class FourDof(RigidBars):
         """Whether it answers such impacts in stacks."""
         return _stackable(self, scenario)
 
-    def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> Answers:
+    def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> BatchAnswers:
         """Answers to a stack of impacts, see `models.batch`; none of those that are `refused`."""
         return _answer_stack(self, scenario, refused)
 
@@ -431,7 +433,7 @@ class FourDofShear(RigidBars):
         """Whether it answers such impacts in stacks."""
         return _stackable(self, scenario) and has_shear_surface(scenario.column.section)
 
-    def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> Answers:
+    def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> BatchAnswers:
         """Answers to a stack of impacts, see `models.batch`; none of those that are `refused`."""
         return _answer_stack(self, scenario, refused)
 
@@ -469,7 +471,9 @@ def _stackable(model: FourDof | FourDofShear, scenario: ColumnScenario) -> bool:
     return model.time_step is None and not flows(model, scenario.column.steel)
 
 
-def _answer_stack(model: FourDof | FourDofShear, scenario: ColumnImpact, refused: Flags) -> Answers:
+def _answer_stack(
+    model: FourDof | FourDofShear, scenario: ColumnImpact, refused: Flags
+) -> BatchAnswers:
     """Answers to a stack: those whose ledger is open are followed again, as single ones are."""
     struck = with_hit_mass(scenario, model.hit_mass)
     column, striker = struck.column, struck.striker
@@ -492,4 +496,4 @@ def _answer_stack(model: FourDof | FourDofShear, scenario: ColumnImpact, refused
     def collapse(i: int) -> CollapseError:
         return collapsed(table[i], {"q": numbers[i, :4], "time": numbers[i, 4]})
 
-    return Answers.of(codes, values, collapse)
+    return BatchAnswers.of(codes, values, collapse)

@@ -33,7 +33,7 @@ from workbench.responses.uncertainty import (
     SPACE_AND_STEPS,
     WIDTHS,
     Direction,
-    Estimate,
+    NumericalEstimate,
     attach_curves,
     estimate,
     fiber_direction,
@@ -247,7 +247,7 @@ class _Refinement:
         return False
 
 
-def _drifts(known: Estimate) -> bool:
+def _drifts(known: NumericalEstimate) -> bool:
     """Whether the meshes do not converge, by more than what is small anyway."""
     ladder = known.ladder
     if ladder is None or ladder.converging:
@@ -255,7 +255,7 @@ def _drifts(known: Estimate) -> bool:
     return ladder.relative is None or ladder.relative > WELL_KNOWN
 
 
-def _table(known: Estimate, values: Mapping[str, float]) -> dict[str, Any]:
+def _table(known: NumericalEstimate, values: Mapping[str, float]) -> dict[str, Any]:
     """An estimate and its values, as the attributes of a response hold them."""
     table: dict[str, Any] = {"values": values, "parts": dict(known.parts), "note": known.note}
     if known.ladder is not None:

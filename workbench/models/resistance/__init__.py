@@ -5,7 +5,7 @@ from workbench.models.resistance.columns import OnCurve as OnCurve
 from workbench.models.resistance.columns import Resistance as Resistance
 from workbench.models.resistance.columns import column_curve as column_curve
 from workbench.models.resistance.curve import SECTION as SECTION
-from workbench.models.resistance.curve import Mechanism as Mechanism
+from workbench.models.resistance.curve import PlasticMechanism as PlasticMechanism
 from workbench.models.resistance.curve import ResistanceCurve as ResistanceCurve
 from workbench.models.resistance.curve import axial_flexibility as axial_flexibility
 from workbench.models.resistance.curve import mechanism_of as mechanism_of

@@ -24,8 +24,14 @@ import scipy
 
 from workbench.base.arrays import Array, Flags
 from workbench.base.datafiles import open_input
-from workbench.base.errors import Collapse, CollapseError, InputError, OutOfDomainError, SolverError
-from workbench.base.errors import Mechanism as Fall
+from workbench.base.errors import (
+    Collapse,
+    CollapseError,
+    InputError,
+    Mechanism,
+    OutOfDomainError,
+    SolverError,
+)
 from workbench.base.fields import Choice, Number, checked
 from workbench.base.tables import FILES, read_points
 from workbench.mechanics.frames.collapse import COLLAPSE_SIDEWAYS
@@ -36,13 +42,13 @@ from workbench.models.hit_mass import HIT_MASS, THESIS
 from workbench.models.resistance.curve import (
     INTERACTIONS,
     SECTION,
-    Mechanism,
+    PlasticMechanism,
     ResistanceCurve,
     any_mechanism,
     mechanism_of,
     straight_pieces,
 )
-from workbench.models.resistance.shapes import RESISTANCES, Rows, beam_of, resistance_curve
+from workbench.models.resistance.shapes import RESISTANCES, MechanismRows, beam_of, resistance_curve
 from workbench.models.strain_rate import rate_factor
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, MemberPulse
@@ -185,7 +191,7 @@ def points(data: bytes, name: str) -> Array:
     return table
 
 
-def given_curve(mechanism: Mechanism, shape: str, factor: float = 1.0) -> ResistanceCurve:
+def given_curve(mechanism: PlasticMechanism, shape: str, factor: float = 1.0) -> ResistanceCurve:
     """The curve through the points of a file, elastic as long as it keeps its first slope.
 
     Up to a thousandth of the force. Its strength grows by a `factor` of strain rate, its stiffness
@@ -239,7 +245,7 @@ def plateau(surface: ShearSurface, lengths: tuple[float, float]) -> float:
 
 
 def panel_curve(
-    column: Column, mechanism: Mechanism, rotational_stiffness: float | None
+    column: Column, mechanism: PlasticMechanism, rotational_stiffness: float | None
 ) -> ResistanceCurve:
     """Static curve of the column's panels up to nine tenths of the shorter bar.
 
@@ -376,14 +382,14 @@ def fallen(
     """How a column collapses that has `lost` its resistance, or come to its reach; as above."""
     if not lost:
         return out_of_reach(column, displacement, time)
-    collapse = Collapse(Fall.BUCKLING, SEGMENTS, displacement, time)
+    collapse = Collapse(Mechanism.BUCKLING, SEGMENTS, displacement, time)
     return CollapseError(collapse, "the column has lost its resistance to the axial load")
 
 
 def out_of_reach(column: Column, displacement: float, time: float | None = None) -> CollapseError:
     """How a column collapses that has come to the `reach` of the mechanism; as `collapsed`."""
     shorter = SEGMENTS[column.length_below > column.length_above]
-    collapse = Collapse(Fall.GEOMETRY, (shorter,), displacement, time)
+    collapse = Collapse(Mechanism.GEOMETRY, (shorter,), displacement, time)
     return CollapseError(collapse, "the displacement passes nine tenths of the shorter segment")
 
 
@@ -476,7 +482,7 @@ def of_one_shape(
 
 def rows_of(
     column: Column, count: int, shape: str, rotational_stiffness: float | None, interaction: str
-) -> tuple[Rows, Flags]:
+) -> tuple[MechanismRows, Flags]:
     """Mechanisms of a stack of `count` columns; whether the axial load exhausts their stiffness."""
     mechanism = any_mechanism(column, rotational_stiffness, interaction)
     rates, moments, flexibilities, *numbers = mechanism.kernel
@@ -486,5 +492,5 @@ def rows_of(
     )
     long = (spread(each, count) for each in (*numbers, reach(column)))
     whole: Any = (*by_row, *long, RESISTANCES.index(shape))
-    rows = Rows(*whole)
+    rows = MechanismRows(*whole)
     return rows, np.broadcast_to(mechanism.carries <= column.axial_load, count)

@@ -23,7 +23,7 @@ INTERACTIONS = LINEAR, SECTION = ("linear", "section")  # yield surfaces of N an
 Groups = tuple[Array, Array, Array, float, float, float, float, float, float]
 
 
-class Mechanism(NamedTuple):
+class PlasticMechanism(NamedTuple):
     """Two rigid bars with hinge groups that yield in bending and axial force.
 
     Arguments: `groups`, names out of base, hit, head (a pinned end has no group; the two hinges
@@ -79,7 +79,7 @@ def mechanism_of(
     rotational_stiffness: float | None = None,
     interaction: str = SECTION,
     uniform: bool = False,
-) -> Mechanism:
+) -> PlasticMechanism:
     """The mechanism of a column.
 
     Arguments: `column`; `rotational_stiffness`, the factor c of the hinge stiffness c EI / l of
@@ -105,7 +105,7 @@ def any_mechanism(
     rotational_stiffness: float | None = None,
     interaction: str = SECTION,
     uniform: bool = False,
-) -> Mechanism:
+) -> PlasticMechanism:
     """Mechanism as of `mechanism_of`, also if it `carries` no such load; of a stack with arrays."""
     properties = column.properties
     if rotational_stiffness is None:
@@ -121,7 +121,7 @@ def any_mechanism(
         ("head", above, springs.head),
     )
     groups, rates, flexibilities = zip(*(g for g in all_groups if np.all(g[2] < inf)), strict=True)
-    return Mechanism(
+    return PlasticMechanism(
         groups,
         np.array(rates),
         np.array(flexibilities),
@@ -189,7 +189,7 @@ class ResistanceCurve:
     """
 
     shape: str
-    mechanism: Mechanism
+    mechanism: PlasticMechanism
     pieces: Pieces
     elastic_limit: float
     end: float = inf

@@ -36,7 +36,7 @@ from workbench.base.errors import OutOfDomainError
 from workbench.base.fields import Choice
 from workbench.mechanics.structures.kernels import copy
 from workbench.models.resistance import curve as events
-from workbench.models.resistance.curve import Groups, Mechanism, Pieces, ResistanceCurve
+from workbench.models.resistance.curve import Groups, Pieces, PlasticMechanism, ResistanceCurve
 from workbench.models.resistance.kernels import PIECE, falling_root, lost_at, sum_up
 from workbench.scenarios import Column
 
@@ -267,10 +267,10 @@ def take_piece(source: Any, target: Any) -> None:
     target.start, target.event, target.group = source.start, source.event, source.group
 
 
-class Rows(NamedTuple):
+class MechanismRows(NamedTuple):
     """Mechanisms of n columns: (n, groups) rotation rates, stiffnesses, flexibilities; (n,) others.
 
-    As `Mechanism.kernel`, then the `reach` (m) of each and the number of the `shape`.
+    As `PlasticMechanism.kernel`, then the `reach` (m) of each and the number of the `shape`.
     """
 
     rates: Array
@@ -287,7 +287,7 @@ class Rows(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy")
-def curve_of(rows: Rows, i: int) -> tuple[Pieces, float, float, bool]:
+def curve_of(rows: MechanismRows, i: int) -> tuple[Pieces, float, float, bool]:
     """Curve of row i: pieces, displacements of first yielding and of loss, whether one unloads."""
     m = (
         *(rows.rates[i], rows.moments[i], rows.flexibilities[i], rows.slope_sum[i]),
@@ -299,7 +299,7 @@ def curve_of(rows: Rows, i: int) -> tuple[Pieces, float, float, bool]:
     return pieces, limit, lost_at(pieces), unloads
 
 
-def resistance_curve(mechanism: Mechanism, shape: str) -> ResistanceCurve:
+def resistance_curve(mechanism: PlasticMechanism, shape: str) -> ResistanceCurve:
     """The resistance curve of a mechanism.
 
     Arguments: `mechanism`; `shape`: analytic, cubic or linear. Raises `OutOfDomainError` if a
@@ -322,7 +322,7 @@ AXIAL_HELP = "how the axial load lowers M_p: linear, M_p (1 - n), or by the enve
 _TOGETHER = 1e-9  # hinges that yield within this share of a load yield at once
 
 
-class Shape(NamedTuple):
+class DeflectedShape(NamedTuple):
     """A shape of deflection: `nodes` (n,) in m, and in each element between them a polynomial.
 
     `coefficients` (n - 1, 5) in xi from 0 to 1; the deflection is 1 at the point of reference.
@@ -346,7 +346,7 @@ class Shape(NamedTuple):
         _, value, weight = self._at_points()
         return float(np.sum(weight * value**2) / (self.nodes[-1] - self.nodes[0]))
 
-    def momentum(self, other: "Shape") -> float:
+    def momentum(self, other: "DeflectedShape") -> float:
         """Momentum of a uniform mass of 1 that moves in this shape, in the `other` one."""
         _, value, weight = self._at_points()
         moved = weight * value * other._at_points()[1]
@@ -382,7 +382,7 @@ class Stage(NamedTuple):
     start: float
     load: float
     stiffness: float
-    shape: Shape
+    shape: DeflectedShape
     load_factor: float
     mass_factor: float
     moments: Array
@@ -395,7 +395,7 @@ class Stage(NamedTuple):
         return self.mass_factor / self.load_factor
 
 
-class Beam(NamedTuple):
+class DeflectedBeam(NamedTuple):
     """A member under a load of 1 in all.
 
     Arguments: places of `nodes` (m), its ends and where forces act or hinges may form; whether both
@@ -451,7 +451,7 @@ class Beam(NamedTuple):
         rates: Array,
         hinges: set[int],
     ) -> Stage:
-        shape = Shape(np.array(self.nodes), deflection / deflection[self.reference, 0])
+        shape = DeflectedShape(np.array(self.nodes), deflection / deflection[self.reference, 0])
         length = self.nodes[-1] - self.nodes[0]
         factor = float(self.forces @ shape.coefficients[1:, 0]) + self.line * length * shape.mean
         mass = shape.mass_factor
@@ -504,9 +504,9 @@ class Beam(NamedTuple):
         return polynomials, moments
 
 
-def beam_of(column: Column, uniform: bool = False) -> Beam:
+def beam_of(column: Column, uniform: bool = False) -> DeflectedBeam:
     """The column as a beam under a force at its hit point, or under a `uniform` line load."""
-    return Beam(
+    return DeflectedBeam(
         (0.0, column.length_below, column.length),
         (column.base == "clamped", column.head != "pinned"),
         (0.0 if uniform else 1.0,),

@@ -22,7 +22,7 @@ from workbench.mechanics.impact.integrator import (
     DONE,
     DRIVE,
     PROGRESS,
-    Model,
+    StepFunctions,
     begin,
     march_of,
     no_flow,
@@ -341,7 +341,7 @@ def coast(s, pace, progress, records, n):
 
 
 _march = march_of(
-    Model(
+    StepFunctions(
         *(hit, solve, no_flow, accept, write, lost), mass=mass_of, kick=kick, calm=calm, coast=coast
     )
 )

@@ -31,8 +31,8 @@ from workbench.base.fields import Number, checked
 from workbench.mechanics.impact.contact import uncounted
 from workbench.mechanics.impact.integrator import (
     DRIVE,
-    Model,
-    Run,
+    FollowedImpact,
+    StepFunctions,
     begin,
     follow,
     followed,
@@ -40,7 +40,7 @@ from workbench.mechanics.impact.integrator import (
     no_flow,
 )
 from workbench.mechanics.impact.pace import Pace
-from workbench.models.batch import LOST, SURVIVES, UNKNOWN, Answers
+from workbench.models.batch import LOST, SURVIVES, UNKNOWN, BatchAnswers
 from workbench.models.domain import count_finding
 from workbench.models.energy_estimate import energy_to_absorb
 from workbench.models.hit_mass import with_hit_mass
@@ -123,7 +123,9 @@ def accept_pushed(s, dt):
         now.dissipated += kinetic - 0.5 * now.mass * now.w**2
 
 
-_march = march_of(Model(march.hit, solve_pushed, no_flow, accept_pushed, march.write, march.lost))
+_march = march_of(
+    StepFunctions(march.hit, solve_pushed, no_flow, accept_pushed, march.write, march.lost)
+)
 
 
 def no_striker(
@@ -314,7 +316,7 @@ class SingleDof(OnCurve):
         plain = not self.time_step and not self.radiation_damping
         return plain and self.curve_stacks(scenario)
 
-    def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> Answers:
+    def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> BatchAnswers:
         """Answers to a stack of impacts, see `models.batch`; none of those that are `refused`."""
         count = len(refused)
         scenario = self.with_mass(scenario)
@@ -334,7 +336,7 @@ class SingleDof(OnCurve):
             v, time = map(float, results[i, :2])
             return columns.fallen(take(column, i), bool(codes[i] == LOST), v, time)
 
-        return Answers.of(codes, values, collapse)
+        return BatchAnswers.of(codes, values, collapse)
 
     def _solve(self, scenario: ColumnScenario) -> Response:
         if isinstance(scenario, ColumnPushover):
@@ -343,7 +345,9 @@ class SingleDof(OnCurve):
             return pulse_response(scenario, self.pushed(scenario))
         return self._impact(self.with_mass(scenario), scenario.dead_force)
 
-    def _march(self, scenario: ColumnImpact, weight: float) -> tuple[Run, ResistanceCurve, float]:
+    def _march(
+        self, scenario: ColumnImpact, weight: float
+    ) -> tuple[FollowedImpact, ResistanceCurve, float]:
         """Follow one impact; its curve, and the displacement (m) under a `weight` (N) before.
 
         Raises `SolverError`, `OutOfDomainError`, `CollapseError`.
@@ -428,7 +432,7 @@ def _prepared(
 
 
 def _scalars(
-    scenario: ColumnImpact, run: Run, curve: ResistanceCurve, sag: float
+    scenario: ColumnImpact, run: FollowedImpact, curve: ResistanceCurve, sag: float
 ) -> dict[str, float]:
     """Scalar results of an impact; without a peak in the record only those of the contact."""
     striker, mass = scenario.striker, scenario.column.properties.impact_mass

@@ -12,8 +12,8 @@ from workbench.report.chapters.choice import FAIR, Row
 from workbench.report.page.formatting import duration, part, percent, title_of
 from workbench.report.page.markdown import (
     Cell,
-    Column,
     Markdown,
+    PageColumn,
     Picture,
     Table,
     before_captions,
@@ -130,12 +130,14 @@ def matrix(study: Study, stored: Stored) -> Markdown:
     timed, anchored = time_against(stored), choice.anchored(stored)
     rows = _first_ones(study, rows, choice.named(study, stored, groups))
     columns = (
-        Column("model", width=1.4, of="label"),
+        PageColumn("model", width=1.4, of="label"),
         *(
-            Column(PAGE.words("column", group=group, row=row), width=2.1, of=partial(_of, group))
+            PageColumn(
+                PAGE.words("column", group=group, row=row), width=2.1, of=partial(_of, group)
+            )
             for group, row in groups.items()
         ),
-        *([Column(f"time / {timed}", width=1.1, of=lambda r: r.time or None)] if timed else []),
+        *([PageColumn(f"time / {timed}", width=1.1, of=lambda r: r.time or None)] if timed else []),
     )
     labels = {row.label for row in rows}
     sentences = [] if anchored else list(choice.trusted(study, stored, groups))

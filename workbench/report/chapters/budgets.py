@@ -6,7 +6,7 @@ from math import floor, isfinite
 from typing import Any
 
 from workbench.report.page.formatting import in_unit, percent
-from workbench.report.page.markdown import Cell, Column, Markdown, Table
+from workbench.report.page.markdown import Cell, Markdown, PageColumn, Table
 from workbench.report.page.page import Page
 from workbench.report.stored import Stored
 from workbench.study.assessment.gates import COVERAGE, MODEL_FORM, NUMERICAL, PEAK, SUMS, TOTAL
@@ -71,22 +71,22 @@ def budget_table(key: str, rows: Sequence[Row], *, bars: bool = False) -> Table:
     """Terms and sums of one form of the budget of a quantity, with `bars` or without."""
     form, quantity, value = (rows[0][name] for name in _WHO)
     columns = [
-        Column(
+        PageColumn(
             "term",
             width=1.8,
             of=lambda row: Cell(row["term"], tone="" if row["term"] in SUMS else "muted"),
         ),
-        Column("from", True, 0.8, partial(_end, "least", quantity)),
-        Column("to", True, 0.8, partial(_end, "most", quantity)),
-        Column("change", True, 1.3, change),
-        Column(
+        PageColumn("from", True, 0.8, partial(_end, "least", quantity)),
+        PageColumn("to", True, 0.8, partial(_end, "most", quantity)),
+        PageColumn("change", True, 1.3, change),
+        PageColumn(
             "what it is",
             width=4.4,
             of=lambda row: "; ".join(filter(None, (row["reason"], row["source"]))),
         ),
     ]
     if bars:
-        columns.insert(4, Column("as a bar", True, of=partial(_bar, *scale(rows))))
+        columns.insert(4, PageColumn("as a bar", True, of=partial(_bar, *scale(rows))))
     value_text = in_unit(value, quantity)
     names = {"quantity": quantity, "form": form, "value": value_text}
     caption = PAGE.words("terms", **names, coverage=_COVERAGE)

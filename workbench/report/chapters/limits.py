@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from workbench.report.page.formatting import several, valued
-from workbench.report.page.markdown import Cell, Column, Markdown, Table
+from workbench.report.page.markdown import Cell, Markdown, PageColumn, Table
 from workbench.report.page.page import Page
 from workbench.report.stored import Stored
 from workbench.responses import Outcome
@@ -96,8 +96,8 @@ def _shear_table(study: Study, shear: dict[str, dict[str, float]]) -> Table | No
     if len(entries) > _PRINTED:
         entries.sort(key=lambda entry: -max(entry[1].values()))
     columns = (
-        Column("case", width=2.5, of=lambda entry: entry[0]),
-        *(Column(label, True, 1.2, partial(_ratio, label)) for label in labels),
+        PageColumn("case", width=2.5, of=lambda entry: entry[0]),
+        *(PageColumn(label, True, 1.2, partial(_ratio, label)) for label in labels),
     )
     return Table.of("shear", "", columns, entries, _PRINTED) if labels else None
 

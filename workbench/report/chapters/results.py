@@ -16,7 +16,7 @@ from workbench.report.page.formatting import (
     unit_of,
     valued,
 )
-from workbench.report.page.markdown import ABSENT, Cell, Column, Markdown, Picture, Table
+from workbench.report.page.markdown import ABSENT, Cell, Markdown, PageColumn, Picture, Table
 from workbench.report.page.page import Page
 from workbench.report.stored import BEST, Stored
 from workbench.responses import Outcome
@@ -111,12 +111,12 @@ def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
             text += f"{gap}{_interval('relative_error', row)}"
         return Cell(text, values[case, label])
 
-    rows, columns = labels, [Column("model", width=2.0, of=str)]
+    rows, columns = labels, [PageColumn("model", width=2.0, of=str)]
     if few:
-        columns += (Column(case, True, 1.4, partial(cell, case)) for case in cases)
+        columns += (PageColumn(case, True, 1.4, partial(cell, case)) for case in cases)
     else:
-        rows, columns = cases, [Column("case", width=2.4, of=str)]
-        columns += (Column(label, True, 1.3, partial(cell, label=label)) for label in labels)
+        rows, columns = cases, [PageColumn("case", width=2.4, of=str)]
+        columns += (PageColumn(label, True, 1.3, partial(cell, label=label)) for label in labels)
     against = "" if governing else study.reference
     caption = PAGE.words("values", quantity=quantity, unit=unit_of(quantity).text, against=against)
     return Table.of(f"values-{quantity}", caption, columns, rows, _PRINTED)
@@ -149,10 +149,13 @@ def _shapes(study: Study, stored: Stored) -> Iterator[Table]:
         if not rows:
             continue
         columns = (
-            Column("case", width=1.6, of=lambda pair: pair[0][0]),
-            Column("model", width=1.7, of=lambda pair: pair[0][1]),
-            Column("quantity", width=1.3, of=lambda pair: title_of(pair[0][2])),
-            *(Column(metric_title(name), True, 1.35, partial(_metric, name)) for name in metrics),
+            PageColumn("case", width=1.6, of=lambda pair: pair[0][0]),
+            PageColumn("model", width=1.7, of=lambda pair: pair[0][1]),
+            PageColumn("quantity", width=1.3, of=lambda pair: title_of(pair[0][2])),
+            *(
+                PageColumn(metric_title(name), True, 1.35, partial(_metric, name))
+                for name in metrics
+            ),
         )
         caption = PAGE.words(
             "shapes",
@@ -195,21 +198,21 @@ def _has_level(study: Study, stored: Stored, row: dict[str, Any]) -> bool:
     )
 
 
-def _ladder_columns(study: Study) -> Iterator[Column]:
+def _ladder_columns(study: Study) -> Iterator[PageColumn]:
     def value(name: str) -> Callable[[Any], Cell]:
         return lambda row: valued(row[name], 4, factor=unit_of(row["quantity"]).factor)
 
-    yield Column("case", width=1.6, of="case")
-    yield Column("quantity", width=1.7, of=lambda row: axis_label(row["quantity"]))
+    yield PageColumn("case", width=1.6, of="case")
+    yield PageColumn("quantity", width=1.7, of=lambda row: axis_label(row["quantity"]))
     for label in study.steps:
-        yield Column(label, True, 1.15, value(label))
-    yield Column("order", True, 0.7, lambda row: valued(row["order"], 3))
-    yield Column("extrapolated", True, 1.1, value("extrapolated"))
-    yield Column(
+        yield PageColumn(label, True, 1.15, value(label))
+    yield PageColumn("order", True, 0.7, lambda row: valued(row["order"], 3))
+    yield PageColumn("extrapolated", True, 1.1, value("extrapolated"))
+    yield PageColumn(
         *("numerical uncertainty", True, 1.05),
         lambda row: share(row["relative"], "" if row["accepted"] else "doubt"),
     )
-    yield Column("note", width=2.4, of=lambda row: Cell(row["note"], tone="muted"))
+    yield PageColumn("note", width=2.4, of=lambda row: Cell(row["note"], tone="muted"))
 
 
 def cost(study: Study, stored: Stored, figures: Iterable[Picture]) -> Markdown:

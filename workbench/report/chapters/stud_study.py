@@ -25,7 +25,7 @@ MEASURES = {  # of damage, what its level is over what
 }
 
 
-class Answered(NamedTuple):
+class StoredStudAnswer(NamedTuple):
     """A stored answer on studs: its case and label, what was asked, its tables and findings."""
 
     case: str
@@ -40,7 +40,7 @@ class Answered(NamedTuple):
         return records(self.tables["fit"])[0] if "fit" in self.tables else {}
 
 
-def answers(study: Study, stored: Stored) -> Iterator[Answered]:
+def answers(study: Study, stored: Stored) -> Iterator[StoredStudAnswer]:
     """Every stored answer to a question on studs."""
     for case in study.cases:
         if not isinstance(case.scenario, StudTests):
@@ -49,7 +49,7 @@ def answers(study: Study, stored: Stored) -> Iterator[Answered]:
             response = stored.response(case.name, label)
             if response is not None and (tables := tables_of(response)):
                 findings = findings_of(response)
-                yield Answered(case.name, label, case.scenario.asked, tables, findings)
+                yield StoredStudAnswer(case.name, label, case.scenario.asked, tables, findings)
 
 
 def in_short(study: Study, stored: Stored) -> Markdown:
@@ -96,7 +96,7 @@ def _answer(part: str, study: Study, stored: Stored) -> Markdown:
     )
 
 
-def _formula(each: Answered) -> dict[str, Any]:
+def _formula(each: StoredStudAnswer) -> dict[str, Any]:
     """A formula as fitted to most tests: its summary, and what its tests say of it as it is."""
     tests, near = each.tables["tests"], 0
     if "usual" in each.tables:
@@ -112,7 +112,9 @@ def _formula(each: Answered) -> dict[str, Any]:
     }
 
 
-def _predictions(every: list[Answered]) -> dict[tuple[str, str, str], list[tuple[str, list[str]]]]:
+def _predictions(
+    every: list[StoredStudAnswer],
+) -> dict[tuple[str, str, str], list[tuple[str, list[str]]]]:
     """Predicted rest of a stud after damage, by damage, its measure and the stud."""
     shares: dict[tuple[str, str, str], list[tuple[str, list[str]]]] = {}
     for each in every:
@@ -128,7 +130,7 @@ def _predictions(every: list[Answered]) -> dict[tuple[str, str, str], list[tuple
     return shares
 
 
-def _same(every: list[Answered]) -> Iterator[tuple[str, str]]:
+def _same(every: list[StoredStudAnswer]) -> Iterator[tuple[str, str]]:
     """Models whose predictions of unseen tests are those of a formula as it is, and the formula."""
     judged = [each for each in every if each.asked == "strength" and "judged" in each.tables]
     for each, other in product(judged, judged):
@@ -157,9 +159,9 @@ def design(study: Study, stored: Stored) -> Markdown:
     return section("design", "Design numbers", *blocks)
 
 
-def _largest(every: list[Answered], size: str) -> list[Answered]:
+def _largest(every: list[StoredStudAnswer], size: str) -> list[StoredStudAnswer]:
     """The answer of every label, where its fit has most tests or curves."""
-    best: dict[str, Answered] = {}
+    best: dict[str, StoredStudAnswer] = {}
     for each in every:
         if each.label not in best or each.fit[size] > best[each.label].fit[size]:
             best[each.label] = each

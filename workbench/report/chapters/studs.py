@@ -12,7 +12,7 @@ import pandas as pd
 
 from workbench.report.page import formatting
 from workbench.report.page.bibliography import cited
-from workbench.report.page.markdown import Cell, Column, Markdown, Table
+from workbench.report.page.markdown import Cell, Markdown, PageColumn, Table
 from workbench.report.page.page import Page
 from workbench.responses import Finding
 from workbench.studs.fit_protocol import Tables, ranked
@@ -92,7 +92,7 @@ _FORMS: dict[Any, Callable[[Any], Cell | str | int | None]] = {
 }
 
 
-def _column(title: str, source: Any, form: Any = "", width: float = 1.0) -> Column:
+def _column(title: str, source: Any, form: Any = "", width: float = 1.0) -> PageColumn:
     """A column of the template: the column of the rows that it shows, the form of its numbers."""
 
     def cell(row: Row) -> Cell | str | int | None:
@@ -105,7 +105,7 @@ def _column(title: str, source: Any, form: Any = "", width: float = 1.0) -> Colu
         names = [source] if isinstance(source, str) else source
         return _FORMS[form](next((row[name] for name in names if row[name] is not None), None))
 
-    return Column(title, form not in ("", "words"), width, cell)
+    return PageColumn(title, form not in ("", "words"), width, cell)
 
 
 def _shown(tables: Tables) -> Tables:
@@ -166,10 +166,10 @@ def _left_table(tables: Tables, graded: bool) -> Table | None:
         return Cell("\n".join(lines), tone="" if fit["validated"] else "bad")
 
     columns = (
-        Column("what is left", width=2.4, of=damage),
-        *(Column(f"level {level:g}", True, 1.1, left(level)) for level in levels),
-        Column("relation", width=1.1, of="relation"),
-        Column("grade", width=2.6, of=grade),
+        PageColumn("what is left", width=2.4, of=damage),
+        *(PageColumn(f"level {level:g}", True, 1.1, left(level)) for level in levels),
+        PageColumn("relation", width=1.1, of="relation"),
+        PageColumn("grade", width=2.6, of=grade),
     )
     if graded and len({(fit["grade"], fit["holds"]) for fit in fits}) == 1:
         columns = columns[:-1]

@@ -46,8 +46,8 @@ from workbench.report.explorer.cells import (
     DETAILS,
     FRAGILITIES,
     HISTORIES,
+    CurveRecord,
     Plane,
-    Record,
     coarse,
     is_upright,
     numbers_of,
@@ -127,7 +127,7 @@ class _Answer(NamedTuple):
 
     state: CellState
     numbers: Mapping[str, Any]
-    record: Record | None
+    record: CurveRecord | None
 
     def kept(self, points: int) -> dict[str, Any]:
         """The answer as the page holds it."""

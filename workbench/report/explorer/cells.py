@@ -104,7 +104,7 @@ def packed(values: ArrayLike) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class Record:
+class CurveRecord:
     """The curves of one answer as fine as any page keeps them.
 
     `time` (s) and `moved` (m), the history, or velocity (m/s) and probability; `band`, places and
@@ -134,13 +134,13 @@ class Record:
         return curves
 
 
-def record_of(case: Case, response: Response, *, band: bool) -> Record | None:
+def record_of(case: Case, response: Response, *, band: bool) -> CurveRecord | None:
     """The curves of a response, None if it has none; with `band` the numerical one of a history."""
     if "curve.median" in response:
         velocity, median, low, high = (
             response[f"curve.{name}"].values for name in ("velocity", "median", "low", "high")
         )
-        return Record(velocity, median, (velocity, low, high), None, None)
+        return CurveRecord(velocity, median, (velocity, low, high), None, None)
     if "time" not in response.coords or "displacement" not in response:
         return None
     time, moved = (response[name].values.astype(float) for name in ("time", "displacement"))
@@ -149,7 +149,7 @@ def record_of(case: Case, response: Response, *, band: bool) -> Record | None:
         struck = isinstance(case.scenario, ColumnImpact | FrameImpact)
         energies = ledger(response, "time", struck)
     known = _band(time, moved, response) if band else None
-    return Record(time, moved, known, energies, shapes_of(case.scenario, response))
+    return CurveRecord(time, moved, known, energies, shapes_of(case.scenario, response))
 
 
 def _band(time: Array, moved: Array, response: Response) -> tuple[Array, Array, Array] | None:

@@ -231,7 +231,7 @@ _ALONE = 5.2  # inches: width of a single panel with its legend
 _ENVELOPES = ("#9a9a9a", "#c9b48a", "#9cc0ad")  # one per section
 
 
-def draw(request: Request) -> Drawing:
+def interaction_path(request: Request) -> Drawing:
     """One panel per label: N/Npl across, M/Mpl up, hinges as lines that end in a dot."""
     notes: list[str] = []
     needed = {"axial_force", "moment"}

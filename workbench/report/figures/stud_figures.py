@@ -581,7 +581,7 @@ _NOTES = (
 )
 
 
-def draw(request: Request) -> Drawing:
+def mechanical_model(request: Request) -> Drawing:
     """The stud in its slab on the left, the parameters on the right."""
     answer = next(answered(request, "fit", "basis"), None)
     if answer is None:

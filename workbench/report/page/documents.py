@@ -19,11 +19,11 @@ from workbench.report.page.markdown import Markdown, Picture, before_captions, p
 from workbench.report.page.reading import (
     ELSEWHERE,
     Block,
+    PageSection,
     Printer,
     Quote,
     Run,
     Runs,
-    Section,
     Words,
     cites,
     named,
@@ -88,7 +88,7 @@ def _unfolded(blocks: Iterable[Block], titles: list[str]) -> tuple[Block, ...]:
     """Blocks without folded sections, whose `titles` are kept."""
     shown: list[Block] = []
     for block in blocks:
-        if not isinstance(block, Section):
+        if not isinstance(block, PageSection):
             shown.append(block)
         elif block.folded:
             titles.append(spoken(block.title))
@@ -217,7 +217,7 @@ class _Html(_Printer):
             return link if name else str(escape(ELSEWHERE))
         return "<br>".join(str(escape(line)) for line in text.split("\n"))
 
-    def _section(self, section: Section, level: int) -> str:
+    def _section(self, section: PageSection, level: int) -> str:
         head = f"<h{level}>{self.rich(section.title)}</h{level}>"
         body = self.blocks(section.blocks, min(level + 1, 5))
         if section.folded:
@@ -334,7 +334,7 @@ class _Typst(_Printer):
             return f"{'emph' if kind == 'em' else kind}(plain({_string(text)}))"
         return f"{kind}({_string(text)})"
 
-    def _section(self, section: Section, level: int) -> str:
+    def _section(self, section: PageSection, level: int) -> str:
         title = _string(spoken(section.title))
         if all(map(_is_plate, section.blocks)):
             figures = _listed(map(self._plate, section.blocks))
@@ -343,7 +343,7 @@ class _Typst(_Printer):
         return head + self.blocks(section.blocks, level + 1)
 
     def _plate(self, block: Block) -> str:
-        assert isinstance(block, Section)
+        assert isinstance(block, PageSection)
         (figure,) = block.blocks
         assert isinstance(figure, Quote)
         words = self._captioned(figure, self.numbered(figure))
@@ -399,7 +399,7 @@ class _Typst(_Printer):
 
 def _is_plate(block: Block) -> bool:
     """Whether a block is a figure under a heading."""
-    if not isinstance(block, Section) or len(block.blocks) != 1:
+    if not isinstance(block, PageSection) or len(block.blocks) != 1:
         return False
     (inner,) = block.blocks
     return isinstance(inner, Quote) and inner.kind == "figure"
@@ -430,7 +430,7 @@ class _Git(_Printer):
         """A text without links."""
         return self.plain(spoken(runs, self._document.named))
 
-    def _section(self, section: Section, level: int) -> str:
+    def _section(self, section: PageSection, level: int) -> str:
         title = self.rich(section.title)
         parts = [self.block(block, level + 1) for block in section.blocks]
         return "\n\n".join([f"{'#' * level} {title}"] * bool(title) + parts)

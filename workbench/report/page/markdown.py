@@ -130,7 +130,7 @@ ABSENT = Cell("–", tone="muted")
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class PageColumn:
     """A table column: its `title`, whether it holds numbers, and its share of the `width`.
 
     `of` says where `Table.of` finds its cells: the name of an entry or attribute of a record, or
@@ -170,7 +170,7 @@ class Table:
 
     key: str
     caption: str
-    columns: tuple[Column, ...]
+    columns: tuple[PageColumn, ...]
     rows: tuple[tuple[Cell, ...], ...]
     limit: int | None = None
     in_sight: int | None = None
@@ -180,7 +180,7 @@ class Table:
         cls,
         key: str,
         caption: str,
-        columns: Iterable[Column] | Mapping[str, Any],
+        columns: Iterable[PageColumn] | Mapping[str, Any],
         records: Iterable[Any],
         limit: int | None = None,
     ) -> Table:
@@ -189,9 +189,9 @@ class Table:
         Columns may be given by title, with where they find their cells; they are numeric where
         all their cells are absent or have a value to sort by.
         """
-        listed: list[Column] = []
+        listed: list[PageColumn] = []
         if isinstance(columns, Mapping):
-            listed += (Column(title, of=of) for title, of in columns.items())
+            listed += (PageColumn(title, of=of) for title, of in columns.items())
         else:
             listed += columns
         rows = tuple(tuple(column.cell(record) for column in listed) for record in records)

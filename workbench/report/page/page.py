@@ -18,8 +18,8 @@ from workbench.report.page import formatting
 from workbench.report.page.bibliography import cited
 from workbench.report.page.markdown import (
     Cell,
-    Column,
     Markdown,
+    PageColumn,
     Table,
     definitions,
     line,
@@ -77,19 +77,21 @@ def _filled(value: Any) -> Markdown:
 
 
 @pass_context
-def _text(context: Context, title: str, of: str | Callable[..., Any], width: float = 1.0) -> Column:
+def _text(
+    context: Context, title: str, of: str | Callable[..., Any], width: float = 1.0
+) -> PageColumn:
     """A column whose cells are what an expression, a macro or a function makes of a `row`."""
     if callable(of):
-        return Column(title, width=width, of=of)
+        return PageColumn(title, width=width, of=of)
     expression = context.environment.compile_expression(of, undefined_to_none=False)
     names = context.get_all()
-    return Column(title, width=width, of=lambda row: expression(names, row=row))
+    return PageColumn(title, width=width, of=lambda row: expression(names, row=row))
 
 
 @pass_context
 def _number(
     context: Context, title: str, of: str | Callable[..., Any], width: float = 1.0
-) -> Column:
+) -> PageColumn:
     """Plain form of numbers."""
     return replace(_text(context, title, of, width), numeric=True)
 
@@ -97,7 +99,7 @@ def _number(
 def _table(
     key: str,
     rows: Sequence[Any],
-    columns: Sequence[Column],
+    columns: Sequence[PageColumn],
     limit: int | None = None,
     caller: Callable[[], str] = str,
 ) -> Markdown:

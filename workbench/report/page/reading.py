@@ -44,7 +44,7 @@ class Words(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Section:
+class PageSection:
     """A titled part of a page and all that stands in it; `folded`: it opens on demand."""
 
     key: str
@@ -103,7 +103,7 @@ class Quote:
         return None if value is None else int(value)
 
 
-Block = Section | Quote | Node
+Block = PageSection | Quote | Node
 
 
 @cache
@@ -138,7 +138,7 @@ def read(text: str) -> tuple[Block, ...]:
             if blocks:
                 mark, title = words_of(head)
                 key, *words = (*mark, "")
-                section = Section(key, title, tuple(blocks), "folded" in words)
+                section = PageSection(key, title, tuple(blocks), "folded" in words)
                 (within[-1][2] if within else whole).append(section)
 
     for node in Node(_parser().parse(text)).children:
@@ -204,7 +204,7 @@ def walk(blocks: Iterable[Block]) -> Iterator[Block]:
     """All blocks of a page, sections before what stands in them."""
     for block in blocks:
         yield block
-        if isinstance(block, Section):
+        if isinstance(block, PageSection):
             yield from walk(block.blocks)
 
 
@@ -239,7 +239,7 @@ def cites(blocks: Iterable[Block]) -> list[str]:
     """The keys of the works that texts cite, in that order."""
     keys: dict[str, None] = {}
     for block in walk(blocks):
-        if isinstance(block, Section):
+        if isinstance(block, PageSection):
             runs: Iterable[Run] = block.title
         elif isinstance(block, Quote):
             rest = (node for each in block.nodes for node in each.walk())
@@ -288,7 +288,7 @@ class Printer(Generic[Form]):
 
     def _parts(self, block: Block, level: int) -> tuple[Any, ...]:
         """The kind of a block and what its method takes."""
-        if isinstance(block, Section):
+        if isinstance(block, PageSection):
             return "section", block, level
         if isinstance(block, Quote):
             if block.kind in _KINDS:

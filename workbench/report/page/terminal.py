@@ -11,7 +11,7 @@ from rich.table import Table as Grid
 from rich.text import Text
 
 from workbench.report.page.markdown import literal
-from workbench.report.page.reading import Block, Printer, Quote, Runs, Section, read, spoken
+from workbench.report.page.reading import Block, PageSection, Printer, Quote, Runs, read, spoken
 
 _STYLES = {"good": "green", "bad": "red", "doubt": "yellow", "muted": "dim"}
 _UNBOUNDED = 100_000  # columns of a file or a pipe, where no line is broken
@@ -54,12 +54,12 @@ class _Terminal(Printer[RenderableType]):
         apart = False
         for number, block in enumerate(blocks):
             wide = isinstance(block, Quote) and block.kind == "table"
-            if isinstance(block, Section) or (number and (wide or apart)):
+            if isinstance(block, PageSection) or (number and (wide or apart)):
                 yield Text("")
             apart = wide
             yield self.block(block)
 
-    def _section(self, section: Section, level: int) -> RenderableType:
+    def _section(self, section: PageSection, level: int) -> RenderableType:
         title = [Text(spoken(section.title), style="bold")] * bool(section.title)
         return Group(*title, *self.apart(section.blocks))
 

@@ -42,7 +42,7 @@ Vector = NDArray[np.float64]
 _NO_MOMENT = 1e-14  # of a plastic moment; a trial that is closer to a smooth apex is at it
 
 
-class Pair(NamedTuple):
+class HingePair(NamedTuple):
     """Two hinges and the bar between them.
 
     `flexibility` (4,): f_N, f_11, f_14, f_44 (those of a pinned end are not used); `bounds`
@@ -380,7 +380,7 @@ class Panel(NamedTuple):
     web: Any
 
 
-class Point(NamedTuple):
+class PanelPoint(NamedTuple):
     """Response of a panel at (N, a, d).
 
     `capacity` C, C_N, C_a; `moments` of both ends and their plastic `rotations`; `slopes` p of the
@@ -488,7 +488,7 @@ def elastic(panel):
 
 @njit(cache=True, error_model="numpy")
 def point(panel, e, N, a, d):
-    """The `Point` (N >= 0, a, d) for deformations e_N >= 0, e_1, e_4."""
+    """The `PanelPoint` (N >= 0, a, d) for deformations e_N >= 0, e_1, e_4."""
     f_n, f11, f14, f44 = panel.flexibility
     rho, sine = np.cos(a), np.sin(a)
     C, CN, Cr, CNN, CNr, Crr = moment_capacity(panel.web, N, rho)
@@ -520,7 +520,7 @@ def point(panel, e, N, a, d):
     Jaa = soft * Va * Va - over * V + Q * Ca * Ca - push * Caa
     residual, hessian, block = (gN, ga, gd), (JNN, JNa, Jaa), (B11, B14, B44)
     slopes, shear = (p1, p4), (V, Va)
-    return Point((C, CN, Ca), (m1, m4), (r1, r4), slopes, block, shear, residual, hessian)
+    return PanelPoint((C, CN, Ca), (m1, m4), (r1, r4), slopes, block, shear, residual, hessian)
 
 
 @njit(cache=True, error_model="numpy")

@@ -26,7 +26,7 @@ from workbench.base.arrays import Indices
 from workbench.base.errors import InputError, OutOfDomainError
 from workbench.base.fields import Declared, Number, checked
 from workbench.mechanics.structures.assembly import PlanarAssembly, graded_lengths
-from workbench.mechanics.structures.elements import Bars, ElementGroup, Step, StepEnergies
+from workbench.mechanics.structures.elements import Bars, ElementGroup, StepEnergies, StepRequest
 from workbench.mechanics.structures.fibers import BeamSection
 from workbench.mechanics.structures.fibers.section import FiberBeams, LinearHardening
 from workbench.studs.formulas import SHEAR_MODELS
@@ -306,7 +306,7 @@ class Links(ElementGroup):
         entry = np.stack([7 * near, 6 * near + far, 6 * far + near, 7 * far], axis=1)
         self._chosen: Indices = bars.positions[rows[:, None], entry]
 
-    def assemble(self, step: Step) -> None:
+    def assemble(self, step: StepRequest) -> None:
         """Add forces and tangent of a static step; keep the trial state."""
         if step.dynamic:
             raise OutOfDomainError("the links of a stud are made for statics")

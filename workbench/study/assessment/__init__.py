@@ -2,7 +2,6 @@
 
 from workbench.responses.convergence import Ladder as Ladder
 from workbench.responses.convergence import ladder as ladder
-from workbench.study.assessment import metric as metric
 from workbench.study.assessment.gates import Gate as Gate
 from workbench.study.assessment.gates import Verdict as Verdict
 from workbench.study.assessment.gates import bias_and_scatter as bias_and_scatter

@@ -1,7 +1,7 @@
 """Metrics: each is a number with a meaning, a range, a perfect value and a source.
 
-A metric is computed of what its scope says (`Pair`, `Common`, `Curves`, `Run`); `sides` makes that
-of two responses, once for all metrics of a scope.
+A metric is computed of what its scope says (`ResponsePair`, `Common`, `Curves`,
+`SingleResponse`); `sides` makes that of two responses, once for all metrics of a scope.
 
 Metrics of two records: histories over time, and curves over displacement.
 
@@ -30,13 +30,13 @@ Spread = Callable[[float, float, float, float], float | None]
 class Scope(StrEnum):
     """Scope of a metric: the part of two responses that it is computed of."""
 
-    SCALAR = "scalar"  # `Pair`
+    SCALAR = "scalar"  # `ResponsePair`
     HISTORY = "history"  # `Common`
     CURVE = "curve"  # `Curves`
-    RUN = "run"  # `Run`: nothing is compared
+    RUN = "run"  # `SingleResponse`: nothing is compared
 
 
-class Pair(NamedTuple):
+class ResponsePair(NamedTuple):
     """A scalar `quantity` of both sides, in its unit."""
 
     value: float
@@ -61,7 +61,7 @@ class Curves(NamedTuple):
     quantity: str
 
 
-class Run(NamedTuple):
+class SingleResponse(NamedTuple):
     """A response alone."""
 
     response: Response
@@ -156,17 +156,17 @@ def metric(title: str, scope: Scope, citation: str, **more: Any) -> Callable[[Co
 
 def sides(
     scope: Scope, response: Response, reference: Response, quantity: str
-) -> Pair | Common | Curves | Run:
+) -> ResponsePair | Common | Curves | SingleResponse:
     """Input of the metrics of a scope, made of two responses.
 
     Raises `InputError` if a side does not know the quantity, as a scalar, history or curve, or if
     two histories do not overlap.
     """
     if scope is Scope.RUN:
-        return Run(response, quantity)
+        return SingleResponse(response, quantity)
     given = (response, quantity, "response"), (reference, quantity, "reference")
     if scope is Scope.SCALAR:
-        return Pair(_scalar(*given[0]), _scalar(*given[1]), quantity)
+        return ResponsePair(_scalar(*given[0]), _scalar(*given[1]), quantity)
     if scope is Scope.HISTORY:
         return on_common_base(_history(*given[0]), _history(*given[1]), quantity)
     return Curves(_curve(*given[0]), _curve(*given[1]), quantity)
@@ -227,7 +227,7 @@ def on_common_base(
     swap=Swap.OPPOSITE,
     spread=lambda value, reference, width, other: hypot(width, other),
 )
-def difference(pair: Pair) -> float:
+def difference(pair: ResponsePair) -> float:
     """Value - reference, in the unit of the quantity.
 
     E = S - D of ASME V&V 20-2009, eq. 1-5-1.
@@ -244,7 +244,7 @@ def difference(pair: Pair) -> float:
         hypot(width / reference, value / reference * other / reference) if reference else None
     ),
 )
-def relative_error(pair: Pair) -> float:
+def relative_error(pair: ResponsePair) -> float:
     """(value - reference) / reference.
 
     Positive where the magnitude is too large. Raises `InputError` if the reference is zero.
@@ -261,7 +261,7 @@ def relative_error(pair: Pair) -> float:
     swap=Swap.OPPOSITE,
     spread=lambda value, reference, width, other: hypot(width / value, other / reference),
 )
-def log_ratio(pair: Pair) -> float:
+def log_ratio(pair: ResponsePair) -> float:
     """ln(value / reference).
 
     Symmetric between too high and too low. Raises `InputError` unless both have one sign.
@@ -272,7 +272,7 @@ def log_ratio(pair: Pair) -> float:
 
 
 @metric("shortfall", Scope.RUN, "oberkampf-roy2010")
-def shortfall(run: Run) -> float:
+def shortfall(run: SingleResponse) -> float:
     """1 - value, of a number about the run such as the yield ratio.
 
     A scalar, or an attribute of the response. Raises `InputError` if it carries neither.
@@ -286,7 +286,7 @@ def shortfall(run: Run) -> float:
 
 
 @metric("numerical uncertainty", Scope.RUN, "roache1994", low=0.0)
-def relative_uncertainty(run: Run) -> float:
+def relative_uncertainty(run: SingleResponse) -> float:
     """Half-width of the numerical uncertainty / |value|.
 
     Raises `InputError` if it is unknown, or if the scalar is absent or zero.

@@ -429,7 +429,7 @@ def with_remedies(model: Any, scenario: Any, findings: Iterable[Finding]) -> lis
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class ModelChoice:
     """The model to take for a scenario, `because`, and of the anchor the `error` to expect.
 
     `reason` says both.
@@ -447,7 +447,7 @@ class Choice:
         return f"{self.because}: {of}{self.error}" if self.measured else self.because
 
 
-def choose(scenario: Any) -> Choice:
+def choose(scenario: Any) -> ModelChoice:
     """The anchor, where it is warned of the beam that judges; the anchor too if no model will do.
 
     The solid takes minutes: it is a remedy, no choice.
@@ -458,7 +458,7 @@ def choose(scenario: Any) -> Choice:
         because = "the anchor of the error model"
     elif is_inside(REFERENCE, scenario):
         model, because = REFERENCE, f"a reference, as {ANCHOR} is warned of here"
-    return Choice(model, because, error, table_of(scenario) is not None)
+    return ModelChoice(model, because, error, table_of(scenario) is not None)
 
 
 def quick_reference(scenario: Any) -> str:

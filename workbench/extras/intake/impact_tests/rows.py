@@ -17,7 +17,15 @@ import pandas as pd
 from workbench.base.catalogue import IMPACT_TESTS, SYNTHETIC, Dataset, dataset, datasets
 from workbench.base.errors import Collapse, InputError, Mechanism
 from workbench.scenarios import ColumnImpact, scenario_from, scenario_hash
-from workbench.studs.schema import Row, RowFinding, Table, declared, examine, known, templates_in
+from workbench.studs.schema import (
+    Row,
+    RowFinding,
+    TableSchema,
+    declared,
+    examine,
+    known,
+    templates_in,
+)
 
 # measured quantities: response variable, column, and column of its half-width
 MEASURED = {
@@ -110,7 +118,7 @@ def _measured(row: Row, span: float) -> Iterator[RowFinding]:
         yield "residual_m", residual, f"exceeds peak_m, {peak:g} m", "are columns swapped?"
 
 
-IMPACTS = Table(
+IMPACTS = TableSchema(
     "impacts",
     declared("impacts", Path(__file__).with_name("columns.csv")),
     ("campaign", "specimen"),

@@ -14,7 +14,14 @@ import numpy as np
 from workbench.base.arrays import Array, Flags
 from workbench.extras.laboratory.complementarity import complementary, percussions
 from workbench.extras.laboratory.system import System
-from workbench.extras.laboratory.systems import Law, State, Step, Stepper, gaps_of, rates_of
+from workbench.extras.laboratory.systems import (
+    RestitutionLaw,
+    Stepper,
+    SystemState,
+    SystemStep,
+    gaps_of,
+    rates_of,
+)
 
 _CLOSED = 1e-10  # m; a gap that counts as closed
 _FLIGHT = 1e-4  # share of a step; impacts in faster succession have accumulated
@@ -26,7 +33,7 @@ _ROOT = 60
 class _Stretch:
     """Motion with given closed contacts from one state, over any time."""
 
-    def __init__(self, system: System, state: State, closed: Flags) -> None:
+    def __init__(self, system: System, state: SystemState, closed: Flags) -> None:
         self.system, self.state, self.on = system, state, np.flatnonzero(closed)
         self.normals = np.ascontiguousarray(system.normals[:, self.on])
         self.back = np.linalg.solve(system.mass, self.normals)
@@ -44,7 +51,7 @@ class _Stretch:
         force = np.asarray(forces, dtype=float)
         return free + self.back @ force, force
 
-    def after(self, h: float) -> State:
+    def after(self, h: float) -> SystemState:
         """The state after `h` (s)."""
         q, v, t = self.state.q, self.state.v, self.state.t
         a1 = self.push(q, t)[0]
@@ -52,15 +59,17 @@ class _Stretch:
         a3 = self.push(q + 0.5 * h * v + 0.25 * h * h * a1, t + 0.5 * h)[0]
         a4 = self.push(q + h * v + 0.5 * h * h * a2, t + h)[0]
         place = q + h * v + h * h / 6.0 * (a1 + a2 + a3)
-        return State(place, v + h / 6.0 * (a1 + 2.0 * (a2 + a3) + a4), a4, self.state.force, t + h)
+        return SystemState(
+            place, v + h / 6.0 * (a1 + 2.0 * (a2 + a3) + a4), a4, self.state.force, t + h
+        )
 
-    def margins(self, state: State) -> Array:
+    def margins(self, state: SystemState) -> Array:
         """Gaps of open contacts (m,); forces (N) of closed ones."""
         out: Array = gaps_of(self.system, state.q, state.t)
         out[self.on] = self.push(state.q, state.t)[1]
         return out
 
-    def first_event(self, h: float) -> tuple[float, State]:
+    def first_event(self, h: float) -> tuple[float, SystemState]:
         """When the first gap closes or force vanishes within `h`, or `h`; and the state there."""
         end = self.after(h)
         margins, first = self.margins(end), (h, end)
@@ -115,7 +124,7 @@ def _lowest(h: float, g0: float, g1: float, r0: float, r1: float) -> float:
 def event_driven() -> Stepper:
     """The step. Residual evaluations grow with the number of events in it."""
 
-    def step(system: System, law: Law, state: State, h: float) -> Step:
+    def step(system: System, law: RestitutionLaw, state: SystemState, h: float) -> SystemStep:
         end, impulses, evaluations = state.t + h, np.zeros_like(state.force), 0
         residual = loss = 0.0
         for _ in range(_MOST_EVENTS):
@@ -132,13 +141,15 @@ def event_driven() -> Stepper:
             state = after._replace(force=force)
             system.commit(state.q)
             if state.t >= end - 1e-13 * h:
-                return Step(state._replace(t=end), impulses, evaluations, residual, loss)
-        return Step(state, impulses, evaluations, np.nan, loss)  # too many events
+                return SystemStep(state._replace(t=end), impulses, evaluations, residual, loss)
+        return SystemStep(state, impulses, evaluations, np.nan, loss)  # too many events
 
     return step
 
 
-def _meet(system: System, law: Law, state: State, h: float) -> tuple[State, Array, float]:
+def _meet(
+    system: System, law: RestitutionLaw, state: SystemState, h: float
+) -> tuple[SystemState, Array, float]:
     """The state after impacts with the forces of the contacts that stay, impulses, residual."""
     P, residual = np.zeros_like(state.force), 0.0
     on = np.flatnonzero(gaps_of(system, state.q, state.t) <= _CLOSED)

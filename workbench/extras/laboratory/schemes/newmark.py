@@ -27,10 +27,10 @@ from workbench.base.fields import Number
 from workbench.extras.laboratory.complementarity import complementary
 from workbench.extras.laboratory.system import System
 from workbench.extras.laboratory.systems import (
-    Law,
-    State,
-    Step,
+    RestitutionLaw,
     Stepper,
+    SystemState,
+    SystemStep,
     forecast,
     gaps_of,
     implicit,
@@ -82,7 +82,7 @@ def alpha_step(
 ) -> Stepper:
     """The step of a member of the family."""
 
-    def step(system: System, law: Law, state: State, h: float) -> Step:
+    def step(system: System, law: RestitutionLaw, state: SystemState, h: float) -> SystemStep:
         M, W = system.mass, system.normals
         q0, v0, a0, l0, t = state.q, state.v, state.a, state.force, state.t + h
         f0, _ = system.forces(q0)
@@ -123,7 +123,7 @@ def alpha_step(
             before, held = (h * h / 8.0 * float(each @ reach @ each) for each in (l0, l1))
             loss = before - held - 0.5 * h * float((l0 + l1) @ mean)
         system.commit(q1)
-        return Step(State(q1, v1, a1, l1, t), P, count, residual, loss, held)
+        return SystemStep(SystemState(q1, v1, a1, l1, t), P, count, residual, loss, held)
 
     return step
 
@@ -134,7 +134,7 @@ class _Sprung:
     Its contacts are springs of `stiffness` (m,) in N/m.
     """
 
-    def __init__(self, system: System, stiffness: Array, state: State, h: float) -> None:
+    def __init__(self, system: System, stiffness: Array, state: SystemState, h: float) -> None:
         self.system, self.stiffness, self.t = system, stiffness, state.t + h
         self.mass, self.normals = system.mass, np.zeros((state.q.size, 0))
         self.force, self.gaps = system.forces(state.q)[0], gaps_of(system, state.q, state.t)
@@ -159,7 +159,7 @@ def energy_penalty(stiffness: float = 4.0) -> Stepper:
     """The step; springs of `stiffness` / (h^2 w'M^-1 w): an impact takes pi over its root steps."""
     stiffness = Number(1e-6, 1e6).check("newmark-penalty.stiffness", stiffness)
 
-    def step(system: System, law: Law, state: State, h: float) -> Step:
+    def step(system: System, law: RestitutionLaw, state: SystemState, h: float) -> SystemStep:
         t, none, W = state.t + h, law._replace(e=np.zeros(0)), system.normals
         k = stiffness / (h * h * np.sum(W * np.linalg.solve(system.mass, W), axis=0))
         sprung: Any = _Sprung(system, k, state, h)
@@ -168,7 +168,7 @@ def energy_penalty(stiffness: float = 4.0) -> Stepper:
         system.commit(q)
         held = 0.5 * float(k @ np.minimum(gaps_of(system, q, t), 0.0) ** 2)
         push = sprung.push(q)[0]
-        after = State(q, v, state.a, push, t)
-        return Step(after, h * push, count + 1, residual, 0.0, held)
+        after = SystemState(q, v, state.a, push, t)
+        return SystemStep(after, h * push, count + 1, residual, 0.0, held)
 
     return step

@@ -49,10 +49,10 @@ from workbench.extras.laboratory.complementarity import complementary
 from workbench.extras.laboratory.system import System
 from workbench.extras.laboratory.systems import (
     REACH,
-    Law,
-    State,
-    Step,
+    RestitutionLaw,
     Stepper,
+    SystemState,
+    SystemStep,
     forecast,
     gaps_of,
     implicit,
@@ -83,13 +83,15 @@ def energy_midpoint(reach: float = 0.5, turns: int = 0) -> Stepper:
 def _implicit_step(theta: float, reach: float, turns: int = 0) -> Stepper:
     """The step of the theta-method, or (0) that of the energy-conserving midpoint."""
 
-    def step(system: System, law: Law, state: State, h: float) -> Step:
+    def step(system: System, law: RestitutionLaw, state: SystemState, h: float) -> SystemStep:
         law = law._replace(turns=turns)
         closed = forecast(system, state, reach * h)
         shift = np.zeros(state.q.size)
         q, v, P, count, residual = implicit(system, law, state, h, theta, shift, closed)
         system.commit(q)
-        return Step(State(q, v, state.a, P / h, state.t + h), P, count, residual, np.nan)
+        return SystemStep(
+            SystemState(q, v, state.a, P / h, state.t + h), P, count, residual, np.nan
+        )
 
     return step
 
@@ -97,7 +99,7 @@ def _implicit_step(theta: float, reach: float, turns: int = 0) -> Stepper:
 def moreau_midpoint() -> Stepper:
     """The step; stable up to h = 2 / omega. Plastic flow in the middle and at the end of a step."""
 
-    def step(system: System, law: Law, state: State, h: float) -> Step:
+    def step(system: System, law: RestitutionLaw, state: SystemState, h: float) -> SystemStep:
         middle = state.q + 0.5 * h * state.v
         f, _ = system.forces(middle)
         closed = gaps_of(system, middle, state.t + 0.5 * h) <= SLACK
@@ -107,7 +109,7 @@ def moreau_midpoint() -> Stepper:
         v, P, residual = impulses_on(system, law, closed, system.mass, free, state, t)
         q = middle + 0.5 * h * v
         system.commit(q)
-        return Step(State(q, v, state.a, P / h, t), P, 1, residual, np.nan)
+        return SystemStep(SystemState(q, v, state.a, P / h, t), P, 1, residual, np.nan)
 
     return step
 
@@ -115,8 +117,8 @@ def moreau_midpoint() -> Stepper:
 def central_differences() -> Stepper:
     """The step; stable up to h = 2 / omega."""
 
-    def step(system: System, law: Law, state: State, h: float) -> Step:
-        before = State(state.q, state.v - 0.5 * h * state.a, state.a, state.force, state.t)
+    def step(system: System, law: RestitutionLaw, state: SystemState, h: float) -> SystemStep:
+        before = SystemState(state.q, state.v - 0.5 * h * state.a, state.a, state.force, state.t)
         closed = forecast(system, before, h)
         free = before.v + h * state.a
         t = state.t + h
@@ -125,7 +127,7 @@ def central_differences() -> Stepper:
         f, _ = system.forces(q)
         system.commit(q)
         a = np.asarray(-np.linalg.solve(system.mass, f), dtype=float)
-        return Step(State(q, half + 0.5 * h * a, a, P / h, t), P, 1, residual, np.nan)
+        return SystemStep(SystemState(q, half + 0.5 * h * a, a, P / h, t), P, 1, residual, np.nan)
 
     return step
 
@@ -165,7 +167,7 @@ def gear_gupta_leimkuhler(reach: float = 1.0, split: bool = False, late: bool = 
     """
     reach = REACH.check("ggl.reach", reach)
 
-    def step(system: System, law: Law, state: State, h: float) -> Step:
+    def step(system: System, law: RestitutionLaw, state: SystemState, h: float) -> SystemStep:
         closed = forecast(system, state, reach * h, SLACK if late else -_OVERLAP)
         t, evaluations, psi, shift = state.t + h, 0, np.zeros(closed.size), np.zeros(state.q.size)
         for _ in range(_TURNS):
@@ -189,6 +191,6 @@ def gear_gupta_leimkuhler(reach: float = 1.0, split: bool = False, late: bool = 
                 break
             closed |= met
         system.commit(q)
-        return Step(State(q, v, state.a, P / h, t), P, evaluations, residual, np.nan)
+        return SystemStep(SystemState(q, v, state.a, P / h, t), P, evaluations, residual, np.nan)
 
     return step

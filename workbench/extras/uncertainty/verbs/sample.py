@@ -70,7 +70,7 @@ def sample(
     if all survive or collapse, 1 if one has no answer (the table says why), 2 for bad input.
     """
     from workbench.base.fields import Number
-    from workbench.extras.uncertainty.chunks import Question, Span, answer_chunks
+    from workbench.extras.uncertainty.chunks import SampleRequest, Span, answer_chunks
     from workbench.models.base import make_model
     from workbench.study.store import locked, own_directory
 
@@ -84,7 +84,7 @@ def sample(
     number, count = (1, 1) if part is None else _slice(part)
     uncertain, workers = _uncertain(scenario, settings, seed), processes(jobs)
     name = model or pair_of(uncertain.base, None, "")[0]
-    question = Question(uncertain.text, make_model(name, pairs_of("--option", options)), seed)
+    question = SampleRequest(uncertain.text, make_model(name, pairs_of("--option", options)), seed)
     whole = Span(first, first + samples)
     spans = question.spans(whole)
     mine = spans[len(spans) * (number - 1) // count : len(spans) * number // count]

@@ -4,7 +4,7 @@ from workbench.mechanics.structures.bars.group import NO_INTERACTION as NO_INTER
 from workbench.mechanics.structures.bars.group import Bar as Bar
 from workbench.mechanics.structures.bars.group import BarElements as BarElements
 from workbench.mechanics.structures.bars.group import PlasticEnd as PlasticEnd
-from workbench.mechanics.structures.bars.kinds import Rule as Rule
+from workbench.mechanics.structures.bars.kinds import Quadrature as Quadrature
 from workbench.mechanics.structures.bars.kinds import fiber_bars as fiber_bars
 from workbench.mechanics.structures.bars.kinds import hinge_rule as hinge_rule
 from workbench.mechanics.structures.bars.kinds import hinged_bars as hinged_bars

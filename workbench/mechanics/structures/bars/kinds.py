@@ -187,20 +187,20 @@ def refined_bars(
     return BarElements(nodes, bars, beam_kernels, state, tables, elastic, first_order, False)
 
 
-class Rule(NamedTuple):
-    """Quadrature along one element: points `xi` in 0..1, `weights`, which are `elastic`."""
+class Quadrature(NamedTuple):
+    """Rule along one element: points `xi` in 0..1, `weights`, which are `elastic`."""
 
     xi: Array
     weights: Array
     elastic: Flags
 
 
-def lobatto_rule(points: int) -> Rule:
+def lobatto_rule(points: int) -> Quadrature:
     """Gauss-Lobatto points, fibers at all."""
-    return Rule(*lobatto(points), np.zeros(points, dtype=bool))
+    return Quadrature(*lobatto(points), np.zeros(points, dtype=bool))
 
 
-def hinge_rule(share: float) -> Rule:
+def hinge_rule(share: float) -> Quadrature:
     """Fibers at both ends, over a `share` of the length each; elastic points between.
 
     Two-point Gauss-Radau over four hinge lengths at each end, of which the inner point is elastic,
@@ -211,7 +211,7 @@ def hinge_rule(share: float) -> Rule:
     side = [0.0, 8.0 / 3.0 * s, 0.5 - half * root]
     weights = [s, 3.0 * s, half]
     elastic = [False, True, True]
-    return Rule(
+    return Quadrature(
         np.array([*side, *(1.0 - x for x in reversed(side))]),
         np.array([*weights, *reversed(weights)]),
         np.array([*elastic, *reversed(elastic)]),
@@ -257,7 +257,7 @@ class FiberBarTables(NamedTuple):
 def fiber_bars(
     nodes: ArrayLike,
     bars: Sequence[Bar],
-    rules: Sequence[Rule],
+    rules: Sequence[Quadrature],
     sections: Sequence[BeamSection],
     first_order: bool = False,
     resultants: Sequence[tuple[Any, ...]] = (),

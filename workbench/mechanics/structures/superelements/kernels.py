@@ -22,7 +22,7 @@ from numba.extending import overload
 from workbench.base.arrays import Array, Indices
 from workbench.base.compiled import njit
 from workbench.mechanics.impact.contact import inner
-from workbench.mechanics.structures.elements import Step
+from workbench.mechanics.structures.elements import StepRequest
 from workbench.mechanics.structures.kernels import (
     Chord,
     add_inertia,
@@ -38,7 +38,7 @@ from workbench.mechanics.structures.kernels import (
 )
 from workbench.steel.hinges.kernels import flow_of_bar
 from workbench.steel.hinges.panel_elements import project_condensed
-from workbench.steel.hinges.panel_kernels import Pair, Panel, project_pair, utilisation
+from workbench.steel.hinges.panel_kernels import HingePair, Panel, project_pair, utilisation
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -70,7 +70,7 @@ def _on_surfaces(e, hinges, trial, forces, k, flow):
             (b[e, 1, 0], b[e, 1, 1], b[e, 1, 2], b[e, 1, 3]),
         )
         exponents = (x[e, 0, 0], x[e, 0, 1]), (x[e, 1, 0], x[e, 1, 1])
-        project_pair(Pair(flexibility, bounds, exponents, pinned), trial, forces, k, flow)
+        project_pair(HingePair(flexibility, bounds, exponents, pinned), trial, forces, k, flow)
 
 
 @njit(cache=True, error_model="numpy")
@@ -397,7 +397,7 @@ def evaluate(s, dt, closed, touch, striker):
     for i in range(work.band.size):
         work.band[i] = factor * body.mass[i]
     work.internal[:] = 0.0
-    step = Step(work.internal, work.band, motion.x, x, 0.5, True, dt, True)
+    step = StepRequest(work.internal, work.band, motion.x, x, 0.5, True, dt, True)
     assemble(step, body.bars, body.hinges, motion.old, motion.new)
     diagonal, rows = 2 * body.width, 3 * body.width + 1
     for k in range(body.spring_dofs.size):

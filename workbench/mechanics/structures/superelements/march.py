@@ -13,7 +13,7 @@ from workbench.mechanics.impact.integrator import (
     COMMON,
     GOING,
     PROGRESS,
-    Model,
+    StepFunctions,
     begin,
     check_end,
     law_of,
@@ -65,7 +65,7 @@ class CollapseLimits(NamedTuple):
     share: Array
 
 
-class System(NamedTuple):
+class StruckSystem(NamedTuple):
     """All of a struck structure: what is fixed, moves, is scratch; its limits of collapse.
 
     Committed states of records: `x` and `v` (records, dofs) and, of all elements, `states`.
@@ -205,7 +205,9 @@ def collapsed(s):
 
 # forces between striker and bars ring: contacts open at the end of a step, not on a line of forces
 _STEP = contact_step_of(hit, solve, released=False)
-advance = march_of(Model(hit, solve, settle, accept, write, collapsed, step=_STEP), LONGER, CUT)
+advance = march_of(
+    StepFunctions(hit, solve, settle, accept, write, collapsed, step=_STEP), LONGER, CUT
+)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -301,7 +303,7 @@ def follow_impact(
         table = np.zeros(rows, RECORD)
         x, v = np.empty((rows, assembly.size)), np.empty((rows, assembly.size))
         states = SuperelementState(*(np.empty((rows, *values.shape)) for values in old))
-        system = System(body, motion, work, limits, x, v, states)
+        system = StruckSystem(body, motion, work, limits, x, v, states)
         status, count = impact(system, drive, progress, table)
         if count:
             states = SuperelementState(*(values[:count] for values in states))

@@ -296,7 +296,7 @@ class Elements(NamedTuple):
     dofs: Indices
 
 
-class State(NamedTuple):
+class PointStates(NamedTuple):
     """State of the points.
 
     `plastic` strain (elements, points, 3), equivalent plastic strain `hardened` (elements, points),
@@ -320,10 +320,10 @@ class Energies(NamedTuple):
     plastic: float
 
 
-def empty_state(elements: Elements) -> State:
+def empty_state(elements: Elements) -> PointStates:
     """Points that nothing has happened to."""
     tensor = (*elements.weights.shape, 3)
-    return State(
+    return PointStates(
         np.zeros(tensor), np.zeros(elements.weights.shape), np.zeros(tensor), np.zeros(tensor)
     )
 
@@ -332,8 +332,8 @@ def empty_state(elements: Elements) -> State:
 def respond(
     elements: Elements,
     u: Array,
-    old: State,
-    new: State,
+    old: PointStates,
+    new: PointStates,
     steel: SolidSteel,
     force: Array,
     matrices: Array,
@@ -407,7 +407,7 @@ def respond(
 
 
 @njit(cache=True, error_model="numpy")
-def keep(new: State, e: int, g: int, strain: Tensor, stress: Tensor, plastic: Tensor) -> None:
+def keep(new: PointStates, e: int, g: int, strain: Tensor, stress: Tensor, plastic: Tensor) -> None:
     """Write what a point has come to."""
     for i in range(3):
         new.strain[e, g, i] = strain[i]

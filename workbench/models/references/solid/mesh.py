@@ -137,7 +137,7 @@ def _section_dofs(places: Array, horizontal: Flags, at: float) -> tuple[Indices,
     return pair[0], pair[1]
 
 
-class Plate(NamedTuple):
+class PlateMesh(NamedTuple):
     """A rigid end plate: its x and y dofs, places X of its nodes (m), unknown of its turn."""
 
     horizontal: Indices
@@ -153,7 +153,7 @@ class Supports(NamedTuple):
     """
 
     tied: csr_array
-    plates: tuple[Plate, ...] = ()
+    plates: tuple[PlateMesh, ...] = ()
 
     @property
     def unknowns(self) -> int:
@@ -218,7 +218,9 @@ def supports_of(mesh: SolidMesh, base: str, head: str) -> Supports:
     tied = np.concatenate([*mesh.base, mesh.hit[0], *mesh.head])
     moving = np.setdiff1d(np.arange(mesh.size), tied)
     pinned = [end for end, kind in ((mesh.base, base), (mesh.head, head)) if kind == "pinned"]
-    plates = [Plate(*end, mesh.places[0, end[1]], len(moving) + k) for k, end in enumerate(pinned)]
+    plates = [
+        PlateMesh(*end, mesh.places[0, end[1]], len(moving) + k) for k, end in enumerate(pinned)
+    ]
     last = len(moving) + len(plates)
     rows = [moving, mesh.head[1], mesh.hit[0]]
     columns = np.append(
