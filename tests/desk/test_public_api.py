@@ -66,9 +66,8 @@ def test_the_example_runs(
             assert run(command.split()) == 0
             Path(file).parent.mkdir(exist_ok=True)
             Path(file).write_text(capsys.readouterr().out, encoding="utf-8")
-    example = doctest.DocTestParser().get_doctest(text, {}, name, None, None)
-    assert 2 <= len(example.examples) <= 6  # the import among them
-    assert example.examples[0].source == "import workbench as wb\n"
+    example = doctest.DocTestParser().get_doctest(text, {"wb": wb}, name, None, None)
+    assert 1 <= len(example.examples) <= 5
     assert doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(example).failed == 0
 
 

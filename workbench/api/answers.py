@@ -55,7 +55,6 @@ def load(path: Path | str, *overrides: str) -> Scenario:
 
     Examples
     --------
-    >>> import workbench as wb
     >>> wb.load("scenario.toml", "striker.velocity=20").striker.velocity
     20.0
     """
@@ -104,7 +103,6 @@ def hit(
 
     Examples
     --------
-    >>> import workbench as wb
     >>> column = wb.Column("HEB 220", length_below="0.8 m", length_above=3.2)
     >>> wb.hit(column, mass=1500, velocity="54 km/h").input_energy
     168750.0
@@ -161,7 +159,6 @@ def simulate(
 
     Examples
     --------
-    >>> import workbench as wb
     >>> column = wb.Column("HEB 220", 0.8, 3.2, axial_load="500 kN")
     >>> response = wb.simulate(wb.hit(column, mass=1500, velocity=5), "four-dof")
     >>> response.workbench.outcome.value
@@ -196,7 +193,6 @@ class Comparison:
 
     Examples
     --------
-    >>> import workbench as wb
     >>> impact = wb.hit(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
     >>> answers = wb.compare(impact, ["single-dof", "energy-estimate"], reference="single-dof")
     >>> answers["energy-estimate"].workbench.outcome.value
@@ -258,7 +254,6 @@ def compare(
 
     Examples
     --------
-    >>> import workbench as wb
     >>> hit = wb.hit(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
     >>> answers = wb.compare(hit, ["four-dof", "energy-estimate"], reference="four-dof")
     >>> list(answers.table["model"])
@@ -315,7 +310,6 @@ def study_of(
 
     Examples
     --------
-    >>> import workbench as wb
     >>> column = wb.Column("HEB 220", 2.0, 2.0)
     >>> hits = {f"{v} m/s": wb.hit(column, mass=1500, velocity=v) for v in (4, 7)}
     >>> len(wb.study_of(hits, ["four-dof", "energy-estimate"], "four-dof").cases)
@@ -366,7 +360,6 @@ def fit_residual(
 
     Examples
     --------
-    >>> import workbench as wb
     >>> fit = wb.fit_residual("residual.csv", "strength")
     >>> fit.left([0.0, 0.5]).shape
     (2,)

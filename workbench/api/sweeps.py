@@ -58,7 +58,6 @@ def simulate_many(
 
     Examples
     --------
-    >>> import workbench as wb
     >>> column = wb.Column("HEB 220", 0.8, 3.2, axial_load="500 kN")
     >>> hits = [wb.hit(column, mass=1500, velocity=v) for v in (5, 10, 80)]
     >>> wb.simulate_many("single-dof", hits).outcome.tolist()
@@ -105,7 +104,6 @@ def sweep(
 
     Examples
     --------
-    >>> import workbench as wb
     >>> column = wb.Column("HEB 220", 0.8, 3.2, axial_load="500 kN")
     >>> impact = wb.hit(column, mass=1500, velocity=5)
     >>> swept = wb.sweep(impact, {"striker.velocity": [5, 10, 80]}, ["single-dof", "four-dof"])

@@ -9,7 +9,6 @@ class WorkbenchError(Exception):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> issubclass(wb.InputError, wb.WorkbenchError)
     True
     """
@@ -31,7 +30,6 @@ class InputError(WorkbenchError, ValueError):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> try:
     ...     wb.Column("HEB 220", length_below=800, length_above=3.2)
     ... except wb.InputError as error:

@@ -256,7 +256,6 @@ def model_names() -> list[str]:
 
     Examples
     --------
-    >>> import workbench as wb
     >>> "four-dof" in wb.model_names()
     True
     """
@@ -308,7 +307,6 @@ def make_model(name: str, options: Mapping[str, Any] | None = None) -> Model:
 
     Examples
     --------
-    >>> import workbench as wb
     >>> wb.make_model("four-dof", {"beta": 1.3}).beta
     1.3
     """

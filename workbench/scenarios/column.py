@@ -51,7 +51,6 @@ class Column(MadeOfSteel, table="column"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> column = wb.Column("HEB 220", length_below="0.8 m", length_above=3.2, axial_load="500 kN")
     >>> column.length, column.axial_load
     (4.0, 500000.0)
@@ -152,7 +151,6 @@ class Striker(Declared, table="striker"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> wb.Striker(mass="1.5 t", velocity="54 km/h").velocity
     15.0
     >>> wb.Striker(1500, 15, stiffness=3e5).crushes
@@ -267,7 +265,6 @@ class ColumnPushover(Declared, table="pushover"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> push = wb.ColumnPushover("push", wb.Column("HEB 220", 2.0, 2.0), displacement=0.2)
     >>> wb.simulate(push, "four-dof").sizes["step"] > 1
     True
@@ -294,7 +291,6 @@ class ColumnImpact(Impact, Weighed, Declared, table="time"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> impact = wb.ColumnImpact("van", wb.Column("HEB 220", 0.8, 3.2), wb.Striker(1500, 10))
     >>> impact.input_energy, impact.at_velocity(20).input_energy
     (75000.0, 300000.0)

@@ -66,7 +66,6 @@ class Frame(MadeOfSteel, table="frame"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> nodes = wb.Node("A0", 0.0, 0.0, "clamped"), wb.Node("A1", 0.0, 3.0)
     >>> frame = wb.Frame(nodes, (wb.Member("A0-A1", "A0", "A1", "HEB 220"),))
     >>> frame.length("A0-A1")
@@ -496,7 +495,6 @@ def regular_frame(
 
     Examples
     --------
-    >>> import workbench as wb
     >>> frame = wb.regular_frame([6.0], [3.5, 3.0], "HEB 220", "IPE 300")
     >>> [member.name for member in frame.members][:3]
     ['A0-A1', 'A1-A2', 'B0-B1']

@@ -42,7 +42,6 @@ class FrameStriker(Striker):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> wb.FrameStriker("1.5 t", "36 km/h", node="A1").direction
     '+x'
     """
@@ -64,7 +63,6 @@ class FrameStatic(Declared, table="push"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> frame = wb.regular_frame([6.0], [3.0], "HEB 220", "IPE 300")
     >>> loads = (wb.Load("A1", x="10 kN"),)
     >>> wb.FrameStatic("sway", frame, loads, node="B1", direction="x", path=(0.05,)).magnitude  # N
@@ -132,7 +130,6 @@ class FrameImpact(Impact, Declared, table="time"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> frame = wb.regular_frame([6.0], [3.0], "HEB 220", "IPE 300")
     >>> wb.FrameImpact("van", frame, wb.FrameStriker(1500, 10, node="A1")).input_energy  # J
     75000.0
@@ -168,7 +165,6 @@ class FrameGroundMotion(Declared, table="ground"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> frame = wb.regular_frame([6.0], [3.0], "HEB 220", "IPE 300")
     >>> wb.FrameGroundMotion("jolt", frame, (0.0, 3.0, -3.0, 0.0), 0.01, "A1").duration  # s
     0.03
@@ -223,7 +219,6 @@ class FramePulse(Declared, table="pulse"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> frame = wb.regular_frame([6.0], [3.0], "HEB 220", "IPE 300")
     >>> pulse = wb.Pulse("triangular", peak=2e4, length=0.05)
     >>> wb.FramePulse("blast", frame, pulse, node="A1", members=("A0-A1",)).duration  # s

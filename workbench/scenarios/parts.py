@@ -110,7 +110,6 @@ class Node(Declared, table="node", label="name"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> wb.Node("A0", x=0.0, y=0.0, support="pinned").held
     ('u', 'v')
     """
@@ -161,7 +160,6 @@ class Joint(Declared, table="joint", label="name"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> wb.Joint("bolted", rotational_stiffness=2e7, plastic_moment="60 kN m").plastic_moment
     60000.0
     """
@@ -209,7 +207,6 @@ class Member(Declared, table="member", label="name"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> wb.Member("A1-B1", "A1", "B1", "IPE 300", joint_start="pinned").joint_end
     'rigid'
     """
@@ -267,7 +264,6 @@ class Load(Declared, table="load", label="node"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> wb.Load("A1", y="-200 kN").y
     -200000.0
     """

@@ -60,7 +60,6 @@ class Pulse(Declared, table="pulse"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> wb.Pulse("triangular", peak=2e5, length=0.02).whole  # N s
     2000.0
     """
@@ -162,7 +161,6 @@ class MemberPulse(Weighed, Declared, table="time"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> blast = wb.Pulse("friedlander", peak=4e4, length=0.02, decay=1.5)
     >>> wb.MemberPulse("blast", wb.Column("HEB 220", 2.0, 2.0), blast, load="uniform").whole  # m
     4.0

@@ -20,7 +20,6 @@ class StudTests(Declared, table="tests"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> wb.StudTests("push-outs", asked="strength", confidence=0.95).tables
     ('stud-push-out',)
     """

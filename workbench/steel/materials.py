@@ -131,7 +131,6 @@ class Steel(Declared, table="steel"):
 
     Examples
     --------
-    >>> import workbench as wb
     >>> wb.Steel(grade="S355", thickness="20 mm").yield_stress
     345000000.0
     >>> wb.Steel(yield_stress="300 MPa").rate is None

@@ -53,7 +53,6 @@ class Case:
 
     Examples
     --------
-    >>> import workbench as wb
     >>> impact = wb.hit(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
     >>> wb.Case("slow", impact, parameters={"velocity (m/s)": 5.0}).models
     ()
@@ -94,7 +93,6 @@ class Figure:
 
     Examples
     --------
-    >>> import workbench as wb
     >>> wb.Figure("peaks", "peaks", "Peaks", "Of all models.").kind
     'peaks'
     """
@@ -155,7 +153,6 @@ class Study:
 
     Examples
     --------
-    >>> import workbench as wb
     >>> case = wb.Case("slow", wb.hit(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5))
     >>> model = wb.make_model("four-dof")
     >>> study = wb.Study("mine", "Mine", "How far?", (case,), {"4 dof": model}, reference="4 dof")

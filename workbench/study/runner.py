@@ -494,7 +494,6 @@ def run_study(
 
     Examples
     --------
-    >>> import workbench as wb
     >>> from pathlib import Path
     >>> impact = wb.hit(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
     >>> study = wb.study_of([impact], ["energy-estimate", "single-dof"], "single-dof")

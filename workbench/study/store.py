@@ -348,7 +348,6 @@ def load_study(name: str | Path) -> LoadedStudy:
 
     Examples
     --------
-    >>> import workbench as wb
     >>> len(wb.load_study("studies/mine.py").study.cases) > 1
     True
     """

@@ -74,7 +74,6 @@ class Gate:
 
     Examples
     --------
-    >>> import workbench as wb
     >>> because = "design margin", "EN 1990"
     >>> wb.Gate("4 dof", "fiber", "peak_displacement", "relative-error", 0.1, *because).name
     '4 dof against fiber: relative-error of peak_displacement'

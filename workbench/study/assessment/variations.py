@@ -65,7 +65,6 @@ class Budget:
 
     Examples
     --------
-    >>> import workbench as wb
     >>> wb.Budget("slow", ("4 dof",), spreads={"velocity": 0.1}).spreads
     {'velocity': 0.1}
     """
