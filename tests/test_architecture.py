@@ -30,7 +30,8 @@ def name_of(path: Path) -> str:
     return ".".join(parts).removesuffix(".__init__")
 
 
-CORE_MODULES, CORE_LINES = 211, 54_100  # 200 and 46 000 are wanted
+# 200 and 46 000 are wanted; 400 lines are the numpydoc sections of the public names
+CORE_MODULES, CORE_LINES = 211, 54_500
 NAMES = {name_of(path) for path in MODULES}
 
 

@@ -1,4 +1,4 @@
-"""Reference pages from the declarations: inputs of scenarios, options of models, columns of tables.
+"""Reference pages from the declarations: arguments, keys of files, options, columns of tables.
 
 `python docs/reference/generate.py` writes them beside this file; a test compares them with it.
 """
@@ -13,7 +13,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from workbench.base.fields import Instance, Many, path_of
+import workbench as wb
+from workbench.base.fields import Declared, Instance, Many, path_of
 from workbench.base.offered import offered
 from workbench.cli import run
 from workbench.extras.intake.impact_tests.rows import IMPACTS
@@ -80,6 +81,31 @@ def inputs() -> str:
     return text
 
 
+def arguments() -> str:
+    """Page of the arguments of the public classes whose fields are declared."""
+    text = (
+        "# Arguments of the classes\n\nNumbers are in SI units or texts with a unit. A value that"
+        " is not allowed raises `InputError` with field, value, allowed range and remedy.\n"
+    )
+    for name, kind in ((name, getattr(wb, name)) for name in wb.__all__):
+        if not (isinstance(kind, type) and issubclass(kind, Declared)):
+            continue
+        rows = (
+            (
+                f"`{field.name}`",
+                _values(field.metadata["rule"]),
+                _default(None if isinstance(field.default, Declared) else field.default),
+                field.metadata["help"],
+            )
+            for field in dataclasses.fields(kind)
+        )
+        head, together = (str(doc).partition("\n")[0] for doc in (kind.__doc__, kind.check.__doc__))
+        text += f"\n## `{name}`\n\n{head}\n\n" + _table("argument, values, default, meaning", rows)
+        if kind.check is not Declared.check:
+            text += f"\nWhen made: {together[0].lower()}{together[1:]}\n"
+    return text
+
+
 def options() -> str:
     """Page of the models and their options."""
     printed = io.StringIO()
@@ -132,7 +158,7 @@ def columns() -> str:
     )
 
 
-PAGES = {"inputs": inputs, "options": options, "columns": columns}
+PAGES = {"arguments": arguments, "inputs": inputs, "options": options, "columns": columns}
 
 if __name__ == "__main__":
     for name, page in PAGES.items():

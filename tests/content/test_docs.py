@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import runpy
 import shlex
@@ -80,7 +81,10 @@ PREPARED = {  # files that a page speaks of before, or without, a command that m
     "uncertain.toml": "new uncertain",
     "studies/mine.py": "new study",
 }
-GUIDE = sorted(path.relative_to(DOCS.parent).as_posix() for path in (DOCS / "guide").glob("*.md"))
+GUIDE, THEORY = (
+    sorted(path.relative_to(DOCS.parent).as_posix() for path in (DOCS / folder).glob("*.md"))
+    for folder in ("guide", "theory")
+)
 
 
 def plain(text: str) -> str:
@@ -172,6 +176,17 @@ def test_a_page_of_the_guide_is_short(page: str) -> None:
     assert len(text.split()) <= 900
     for name in re.findall(r"\]\(([^):#]+)(?:#[^)]*)?\)", text):
         assert (DOCS / "guide" / name).exists(), name
+
+
+@pytest.mark.parametrize("page", THEORY)
+def test_a_page_of_theory_opens_with_its_summary(page: str) -> None:
+    _, blank, *lines = (DOCS.parent / page).read_text(encoding="utf-8").splitlines()
+    table = list(itertools.takewhile(lambda line: line.startswith("|"), lines))
+    rows = [line.strip("| ").split(" | ") for line in table[2:]]
+    assert (blank, table[1]) == ("", "| --- | --- |")
+    assert [row[0] for row in rows] == ["assumes", "holds for", "error", "cost"]
+    assert all(len(row) == 2 and row[1] for row in rows)
+    assert sum(len(cell.split()) for row in rows for cell in row) <= 150
 
 
 def test_reference_pages_are_those_of_the_declarations() -> None:

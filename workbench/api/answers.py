@@ -38,8 +38,10 @@ def load(path: Path | str, *overrides: str) -> Scenario:
 
     Parameters
     ----------
-    path : path of a TOML file, as ``workbench new column`` prints one.
-    overrides : texts ``key.path=value``, such as ``"striker.velocity=20"``.
+    path : Path or str
+        TOML file, as ``workbench new column`` prints one.
+    *overrides : str
+        Values by key, such as ``"striker.velocity=20"``.
 
     Returns
     -------
@@ -50,6 +52,11 @@ def load(path: Path | str, *overrides: str) -> Scenario:
     ------
     InputError
         Naming the key, its value and what is allowed.
+
+    Examples
+    --------
+    >>> wb.load("scenario.toml", "striker.velocity=20").striker.velocity
+    20.0
     """
     return load_scenario(path, overrides)
 
@@ -65,17 +72,29 @@ def hit(
     duration: float | str = 0.1,
     name: str = "hit",
 ) -> ColumnImpact | FrameImpact:
-    """A rigid mass that hits a column at its hit point, or a frame at a node.
+    """A rigid mass that hits a column at its impact point, or a frame at a node.
 
     Parameters
     ----------
-    structure : a `Column` or a `Frame`.
-    mass : in kg, or a text with its unit such as ``"1.5 t"``.
-    velocity : in m/s, or a text such as ``"90 km/h"``.
-    node, direction : of a frame, where and along which axis (``"+x"``) it is hit.
-    restitution : Newton's, from 0 to 1.
-    duration : of the record, in s.
-    name : of the scenario.
+    structure : Column or Frame
+        At rest under its dead loads.
+    mass : float or str
+        In kg, or a text with its unit such as ``"1.5 t"``.
+    velocity : float or str
+        In m/s, or a text such as ``"90 km/h"``.
+    node, direction : str
+        Where, and along which axis (``"+x"``), a frame is hit.
+    restitution : float
+        Newton's, from 0 to 1.
+    duration : float or str
+        Length of the record, in s.
+    name : str
+        Name of the scenario.
+
+    Returns
+    -------
+    ColumnImpact or FrameImpact
+        Frozen, in SI units.
 
     Raises
     ------
@@ -84,7 +103,6 @@ def hit(
 
     Examples
     --------
-    >>> import workbench as wb
     >>> column = wb.Column("HEB 220", length_below="0.8 m", length_above=3.2)
     >>> wb.hit(column, mass=1500, velocity="54 km/h").input_energy
     168750.0
@@ -119,9 +137,12 @@ def simulate(
 
     Parameters
     ----------
-    scenario : what happens, or the path of its file.
-    model : name of a model, or a `Model` with its options; without one that of `workbench advise`.
-    options : of the model by name, such as ``beta=1.3``.
+    scenario : Scenario, Path or str
+        What happens, or the path of its file.
+    model : Model or str, optional
+        Model with its options, or its name; by default that of `workbench advise`.
+    **options
+        Options of the model by name, such as ``beta=1.3``.
 
     Returns
     -------
@@ -138,7 +159,6 @@ def simulate(
 
     Examples
     --------
-    >>> import workbench as wb
     >>> column = wb.Column("HEB 220", 0.8, 3.2, axial_load="500 kN")
     >>> response = wb.simulate(wb.hit(column, mass=1500, velocity=5), "four-dof")
     >>> response.workbench.outcome.value
@@ -160,10 +180,23 @@ def simulate(
 
 @dataclass(frozen=True)
 class Comparison:
-    """Answers of several models to one `scenario`.
+    """Answers of several models to one scenario, as `compare` gives them.
 
-    Attributes: `responses` by label; `reference`, the label that the others are held against
-    (empty: none is inside its domain).
+    Parameters
+    ----------
+    scenario : Scenario
+        What happens.
+    responses : mapping of str to xarray.Dataset
+        Answers by label.
+    reference : str
+        Label that the others are held against; empty: none is inside its domain.
+
+    Examples
+    --------
+    >>> impact = wb.hit(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
+    >>> answers = wb.compare(impact, ["single-dof", "energy-estimate"], reference="single-dof")
+    >>> answers["energy-estimate"].workbench.outcome.value
+    'ok'
     """
 
     scenario: Scenario
@@ -201,10 +234,13 @@ def compare(
 
     Parameters
     ----------
-    scenario : what happens, or the path of its file.
-    models : names or models; a mapping gives them labels of your own.
-    reference : label, name or model that the others are held against. Without one it is the
-        quickest reference inside its domain, if there is one.
+    scenario : Scenario, Path or str
+        What happens, or the path of its file.
+    models : iterable or mapping of Model or str
+        Models or their names; a mapping gives them labels of your own.
+    reference : Model or str, optional
+        Label, name or model that the others are held against; by default the quickest reference
+        inside its domain, if there is one.
 
     Returns
     -------
@@ -218,7 +254,6 @@ def compare(
 
     Examples
     --------
-    >>> import workbench as wb
     >>> hit = wb.hit(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
     >>> answers = wb.compare(hit, ["four-dof", "energy-estimate"], reference="four-dof")
     >>> list(answers.table["model"])
@@ -252,11 +287,21 @@ def study_of(
 
     Parameters
     ----------
-    scenarios : cases by their names, or scenarios whose names differ.
-    models : names, or names and models by labels of your own.
-    reference : label of the model that the others are held against.
-    name, question : of the study.
-    parts : further parts of `Study`, such as `gates` or `figures`.
+    scenarios : iterable or mapping of Scenario
+        Cases by their names, or scenarios whose names differ.
+    models : iterable of str, or mapping of Model or str
+        Names, or names and models by labels of your own.
+    reference : str
+        Label of the model that the others are held against.
+    name, question : str
+        Name of the study, and what it answers.
+    **parts
+        Further parts of `Study`, such as `gates` or `figures`.
+
+    Returns
+    -------
+    Study
+        Checked; nothing is answered yet.
 
     Raises
     ------
@@ -265,7 +310,6 @@ def study_of(
 
     Examples
     --------
-    >>> import workbench as wb
     >>> column = wb.Column("HEB 220", 2.0, 2.0)
     >>> hits = {f"{v} m/s": wb.hit(column, mass=1500, velocity=v) for v in (4, 7)}
     >>> len(wb.study_of(hits, ["four-dof", "energy-estimate"], "four-dof").cases)
@@ -296,15 +340,29 @@ def fit_residual(
 
     Parameters
     ----------
-    table : rows in the columns of `workbench new studs --kind residual`, or the path of such a CSV.
-    quantity : ``"strength"`` or ``"stiffness"``.
-    options : `predamage`, `measure`, `loss`, `confidence`, `mechanical`; see
+    table : pandas.DataFrame, Path or str
+        Rows in the columns of `workbench new studs --kind residual`, or the path of such a CSV.
+    quantity : str
+        ``"strength"`` or ``"stiffness"``.
+    **options
+        `predamage`, `measure`, `loss`, `confidence`, `mechanical`; see
         `workbench.studs.fit_residual`.
+
+    Returns
+    -------
+    ResidualFit
+        Relation between damage and what is left, a share of 1; its `band`, `grade` and `findings`.
 
     Raises
     ------
     InputError
         For a table that cannot be read, with its first bad line, or without tests to fit.
+
+    Examples
+    --------
+    >>> fit = wb.fit_residual("residual.csv", "strength")
+    >>> fit.left([0.0, 0.5]).shape
+    (2,)
     """
     from workbench.studs.relations import fit_residual as fit_rows
     from workbench.studs.schema import TESTS, examine, from_frame

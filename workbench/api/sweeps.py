@@ -38,13 +38,16 @@ def simulate_many(
 
     Parameters
     ----------
-    model : its name, or the model with its options; references answer on one mesh.
-    scenarios : any number of them, of any kinds that the model answers.
-    threads : at most (None: one for each core); the numbers do not depend on it.
+    model : Model or str
+        Model with its options, or its name; references answer on one mesh.
+    scenarios : sequence of Scenario, length n
+        Of any kinds that the model answers.
+    threads : int, optional
+        At most; by default one for each core. The numbers do not depend on it.
 
     Returns
     -------
-    pandas.DataFrame
+    pandas.DataFrame, n rows
         A row a scenario: scalars in SI units, NaN where there is none; `outcome`; `failure`, why it
         is not ok, in the words of a single call.
 
@@ -55,7 +58,6 @@ def simulate_many(
 
     Examples
     --------
-    >>> import workbench as wb
     >>> column = wb.Column("HEB 220", 0.8, 3.2, axial_load="500 kN")
     >>> hits = [wb.hit(column, mass=1500, velocity=v) for v in (5, 10, 80)]
     >>> wb.simulate_many("single-dof", hits).outcome.tolist()
@@ -78,11 +80,16 @@ def sweep(
 
     Parameters
     ----------
-    scenario : what happens, or the path of its file.
-    over : values by key of the scenario, such as ``{"striker.velocity": [5, 10, "54 km/h"]}``.
-    models : names, or models with their options; without any that of `workbench advise`.
-    jobs : processes.
-    cases : in place of `over`: a table whose columns are keys, a row a case.
+    scenario : Scenario, Path or str
+        What happens, or the path of its file.
+    over : mapping, optional
+        Values by key of the scenario, such as ``{"striker.velocity": [5, 10, "54 km/h"]}``.
+    models : sequence of Model or str
+        Models with their options, or names; by default that of `workbench advise`.
+    jobs : int
+        Processes.
+    cases : pandas.DataFrame, optional
+        In place of `over`: columns are keys, a row a case.
 
     Returns
     -------
@@ -97,7 +104,6 @@ def sweep(
 
     Examples
     --------
-    >>> import workbench as wb
     >>> column = wb.Column("HEB 220", 0.8, 3.2, axial_load="500 kN")
     >>> impact = wb.hit(column, mass=1500, velocity=5)
     >>> swept = wb.sweep(impact, {"striker.velocity": [5, 10, 80]}, ["single-dof", "four-dof"])

@@ -5,15 +5,36 @@ from typing import Any, NamedTuple
 
 
 class WorkbenchError(Exception):
-    """Base of every error that the workbench raises on purpose."""
+    """Base of every error that the workbench raises on purpose.
+
+    Examples
+    --------
+    >>> issubclass(wb.InputError, wb.WorkbenchError)
+    True
+    """
 
 
 class InputError(WorkbenchError, ValueError):
     """An input cannot be used: which field, its value, what is allowed, what to do.
 
-    Arguments: `field`, dotted path of the key, e.g. ``column.axial_load``; `value`, what was
-    given (None: nothing); `allowed`, the allowed range or choice in words; `advice`, what to do
-    about it.
+    Parameters
+    ----------
+    field : str
+        Dotted path of the key, such as ``column.axial_load``.
+    value : object
+        The input; None where there is none.
+    allowed : str
+        Allowed range or choice, in words.
+    advice : str
+        Remedy.
+
+    Examples
+    --------
+    >>> try:
+    ...     wb.Column("HEB 220", length_below=800, length_above=3.2)
+    ... except wb.InputError as error:
+    ...     print(error.field, error.value, error.advice)
+    column.length_below 800 lengths are in metres, not millimetres
     """
 
     def __init__(self, field: str, value: object, allowed: str, advice: str = "") -> None:

@@ -247,7 +247,18 @@ class Offer:
 
 
 def model_names() -> list[str]:
-    """Names of all registered models, sorted; nothing is imported."""
+    """Names of all registered models, sorted; nothing is imported.
+
+    Returns
+    -------
+    list of str
+        Names of the workbench and of other installed packages.
+
+    Examples
+    --------
+    >>> "four-dof" in wb.model_names()
+    True
+    """
     return sorted({point.name for point in offered(GROUP)})
 
 
@@ -277,7 +288,27 @@ def model_kind(name: str) -> type[Any]:
 def make_model(name: str, options: Mapping[str, Any] | None = None) -> Model:
     """A model with its options set.
 
-    Raises `InputError` for an unknown name, an unknown option or a value it does not allow.
+    Parameters
+    ----------
+    name : str
+        One of `model_names`.
+    options : mapping, optional
+        Values by name of option, in SI units; `workbench models NAME` lists them.
+
+    Returns
+    -------
+    Model
+        Frozen; ``model.simulate(scenario)`` answers.
+
+    Raises
+    ------
+    InputError
+        For an unknown name or option and a value that is not allowed.
+
+    Examples
+    --------
+    >>> wb.make_model("four-dof", {"beta": 1.3}).beta
+    1.3
     """
     model: Model = with_options(model_kind(name), options or {})
     return model

@@ -44,10 +44,16 @@ class CrushLaw(Many):
 
 @dataclass(frozen=True)
 class Column(MadeOfSteel, table="column"):
-    """A steel column with one point at which it is hit. Raises `InputError`.
+    """A steel column with one impact point.
 
     The elastic stiffness and the mass are those of the rolled profile, fillets included, whether
     or not `fillets` count in the strength (as in Heng 2017, section 5.2).
+
+    Examples
+    --------
+    >>> column = wb.Column("HEB 220", length_below="0.8 m", length_above=3.2, axial_load="500 kN")
+    >>> column.length, column.axial_load
+    (4.0, 500000.0)
     """
 
     section: Section = checked(SECTION)
@@ -143,7 +149,12 @@ class Column(MadeOfSteel, table="column"):
 class Striker(Declared, table="striker"):
     """A mass that hits the column, rigid or behind a front that crushes by its law.
 
-    Raises `InputError`.
+    Examples
+    --------
+    >>> wb.Striker(mass="1.5 t", velocity="54 km/h").velocity
+    15.0
+    >>> wb.Striker(1500, 15, stiffness=3e5).crushes
+    True
     """
 
     mass: float = checked(MASS)
@@ -250,7 +261,14 @@ class Weighed:
 
 @dataclass(frozen=True)
 class ColumnPushover(Declared, table="pushover"):
-    """Quasi-static push of the hit point by displacement control."""
+    """Quasi-static push of the impact point by displacement control.
+
+    Examples
+    --------
+    >>> push = wb.ColumnPushover("push", wb.Column("HEB 220", 2.0, 2.0), displacement=0.2)
+    >>> wb.simulate(push, "four-dof").sizes["step"] > 1
+    True
+    """
 
     name: str = checked(Text(), path="name")
     column: Column = checked(Instance(Column))
@@ -269,7 +287,14 @@ class ColumnPushover(Declared, table="pushover"):
 
 @dataclass(frozen=True)
 class ColumnImpact(Impact, Weighed, Declared, table="time"):
-    """A striker hits the column at rest under its axial load, and its weight if it lies."""
+    """A striker hits the column at rest under its axial load, and its weight if it lies.
+
+    Examples
+    --------
+    >>> impact = wb.ColumnImpact("van", wb.Column("HEB 220", 0.8, 3.2), wb.Striker(1500, 10))
+    >>> impact.input_energy, impact.at_velocity(20).input_energy
+    (75000.0, 300000.0)
+    """
 
     name: str = checked(Text(), path="name")
     column: Column = checked(Instance(Column))

@@ -64,8 +64,12 @@ def _first_of(frame: Frame) -> Frame:
 class Frame(MadeOfSteel, table="frame"):
     """A planar steel frame.
 
-    Raises `InputError` for names that do not fit together, members without length, parts that are
-    not connected, and supports that leave the whole free to move.
+    Examples
+    --------
+    >>> nodes = wb.Node("A0", 0.0, 0.0, "clamped"), wb.Node("A1", 0.0, 3.0)
+    >>> frame = wb.Frame(nodes, (wb.Member("A0-A1", "A0", "A1", "HEB 220"),))
+    >>> frame.length("A0-A1")
+    3.0
     """
 
     nodes: tuple[Node, ...] = checked(Many(Instance(Node), 2))
@@ -81,7 +85,7 @@ class Frame(MadeOfSteel, table="frame"):
     gravity: tuple[float, ...] = checked(PULL, (0.0, 0.0), help="under which its own mass weighs")
 
     def check(self) -> None:
-        """Refuse parts that do not fit together, do not hang together or are not held."""
+        """Refuse names that do not fit, members without length, loose parts, no supports."""
         if "fits" not in self.elastic.kept:
             self._check_parts()
             self.elastic.kept["fits"] = True
@@ -459,11 +463,41 @@ def regular_frame(
 ) -> Frame:
     """Return a frame of columns on axes A, B, ... and of beams on every level above the ground.
 
-    Arguments: widths of the `bays` from the left and heights of the `storeys` from the ground, in
-    m; sections; `base`, clamped or pinned; `beam_joint` at both ends of every beam, a joint or the
-    name of one of `joints`, rigid or pinned. Nodes are named A0, B0, ..., A1, ... (axis and level),
-    columns A0-A1 (from the bottom to the top), beams A1-B1 (from the left to the right).
-    Raises `InputError`.
+    Nodes are named A0, B0, ..., A1, ... (axis and level), columns A0-A1 (from the bottom to the
+    top), beams A1-B1 (from the left to the right).
+
+    Parameters
+    ----------
+    bays, storeys : sequence of float
+        Widths from the left and heights from the ground, in m.
+    column, beam : Section or str
+        Sections, or their names in the catalogue.
+    base : str
+        Supports of the columns, ``"clamped"`` or ``"pinned"``.
+    steel : Steel, optional
+        Steel of all members; S355 by default.
+    fillets : bool
+        Whether root fillets count in the strength.
+    beam_joint : Joint or str
+        Joint at both ends of every beam, or the name of one: rigid, pinned or of `joints`.
+    joints : sequence of Joint
+        Further joints.
+
+    Returns
+    -------
+    Frame
+        Without loads.
+
+    Raises
+    ------
+    InputError
+        For values outside their ranges and an unknown joint.
+
+    Examples
+    --------
+    >>> frame = wb.regular_frame([6.0], [3.5, 3.0], "HEB 220", "IPE 300")
+    >>> [member.name for member in frame.members][:3]
+    ['A0-A1', 'A1-A2', 'B0-B1']
     """
     if isinstance(beam_joint, Joint):
         joints, beam_joint = (*joints, beam_joint), beam_joint.name

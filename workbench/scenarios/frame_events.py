@@ -38,7 +38,13 @@ HEADS = {"guided": "guide-y", "pinned": "roller-y", "fixed": "guide-y"}
 
 @dataclass(frozen=True)
 class FrameStriker(Striker):
-    """A mass that hits a node of a frame."""
+    """A mass that hits a node of a frame.
+
+    Examples
+    --------
+    >>> wb.FrameStriker("1.5 t", "36 km/h", node="A1").direction
+    '+x'
+    """
 
     _: KW_ONLY
     node: str = checked(NAME)
@@ -55,7 +61,12 @@ class FrameStatic(Declared, table="push"):
     * control ``load``: load factors;
     * control ``arc-length``: one displacement, followed through limit points.
 
-    Raises `InputError`.
+    Examples
+    --------
+    >>> frame = wb.regular_frame([6.0], [3.0], "HEB 220", "IPE 300")
+    >>> loads = (wb.Load("A1", x="10 kN"),)
+    >>> wb.FrameStatic("sway", frame, loads, node="B1", direction="x", path=(0.05,)).magnitude  # N
+    10000.0
     """
 
     name: str = checked(Text(), path="name")
@@ -116,6 +127,12 @@ class FrameImpact(Impact, Declared, table="time"):
     """A striker hits a frame at rest under its dead loads.
 
     With `gravity` its own weight is among them, and the striker weighs.
+
+    Examples
+    --------
+    >>> frame = wb.regular_frame([6.0], [3.0], "HEB 220", "IPE 300")
+    >>> wb.FrameImpact("van", frame, wb.FrameStriker(1500, 10, node="A1")).input_energy  # J
+    75000.0
     """
 
     name: str = checked(Text(), path="name")
@@ -144,7 +161,14 @@ class FrameImpact(Impact, Declared, table="time"):
 
 @dataclass(frozen=True)
 class FrameGroundMotion(Declared, table="ground"):
-    """The ground under all supports of a frame at rest moves. Raises `InputError`."""
+    """The ground under all supports of a frame at rest moves.
+
+    Examples
+    --------
+    >>> frame = wb.regular_frame([6.0], [3.0], "HEB 220", "IPE 300")
+    >>> wb.FrameGroundMotion("jolt", frame, (0.0, 3.0, -3.0, 0.0), 0.01, "A1").duration  # s
+    0.03
+    """
 
     name: str = checked(Text(), path="name")
     frame: Frame = checked(FRAME)
@@ -191,7 +215,15 @@ class FrameGroundMotion(Declared, table="ground"):
 
 @dataclass(frozen=True)
 class FramePulse(Declared, table="pulse"):
-    """A pulse on a frame at rest under its dead loads. Raises `InputError`."""
+    """A pulse on a frame at rest under its dead loads.
+
+    Examples
+    --------
+    >>> frame = wb.regular_frame([6.0], [3.0], "HEB 220", "IPE 300")
+    >>> pulse = wb.Pulse("triangular", peak=2e4, length=0.05)
+    >>> wb.FramePulse("blast", frame, pulse, node="A1", members=("A0-A1",)).duration  # s
+    0.1
+    """
 
     name: str = checked(Text(), path="name")
     frame: Frame = checked(FRAME)

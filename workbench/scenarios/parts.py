@@ -106,7 +106,13 @@ def stronger(part: Any, factor: float) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Node(Declared, table="node", label="name"):
-    """A point where members meet. Raises `InputError`."""
+    """A point where members meet.
+
+    Examples
+    --------
+    >>> wb.Node("A0", x=0.0, y=0.0, support="pinned").held
+    ('u', 'v')
+    """
 
     name: str = checked(NAME)
     x: float = checked(COORDINATE)
@@ -150,7 +156,12 @@ class Node(Declared, table="node", label="name"):
 class Joint(Declared, table="joint", label="name"):
     """Joint between the end of a member and its node; strengths as positive numbers.
 
-    None stands for a rigid stiffness, and for the strength of the member. Raises `InputError`.
+    None stands for a rigid stiffness, and for the strength of the member.
+
+    Examples
+    --------
+    >>> wb.Joint("bolted", rotational_stiffness=2e7, plastic_moment="60 kN m").plastic_moment
+    60000.0
     """
 
     name: str = checked(NAME)
@@ -192,7 +203,12 @@ class Member(Declared, table="member", label="name"):
     """A straight member between two nodes, bent about its strong axis.
 
     Its internal moment is positive where it stretches the fibers on the right of somebody who
-    looks from start to end. Raises `InputError`.
+    looks from start to end.
+
+    Examples
+    --------
+    >>> wb.Member("A1-B1", "A1", "B1", "IPE 300", joint_start="pinned").joint_end
+    'rigid'
     """
 
     name: str = checked(NAME)
@@ -244,7 +260,13 @@ class MemberEnd(NamedTuple):
 
 @dataclass(frozen=True)
 class Load(Declared, table="load", label="node"):
-    """Forces and a moment on the node of that name."""
+    """Forces and a moment on the node of that name.
+
+    Examples
+    --------
+    >>> wb.Load("A1", y="-200 kN").y
+    -200000.0
+    """
 
     node: str = checked(NAME)
     x: float = checked(FORCE, 0.0)

@@ -56,7 +56,12 @@ class Pulse(Declared, table="pulse"):
 
     With x = t / T, T the `length`: rectangular f = 1, triangular f = 1 - x, friedlander
     f = (1 - x) exp(-`decay` x), all zero after T; exponential f = exp(-x) for ever; ramp f = x,
-    and 1 after T; table: straight lines, zero after the last time. Raises `InputError`.
+    and 1 after T; table: straight lines, zero after the last time.
+
+    Examples
+    --------
+    >>> wb.Pulse("triangular", peak=2e5, length=0.02).whole  # N s
+    2000.0
     """
 
     shape: str = checked(Choice(PULSES))
@@ -151,8 +156,14 @@ class Pulse(Declared, table="pulse"):
 class MemberPulse(Weighed, Declared, table="time"):
     """A pulse on a member, a `column` at rest under its axial load, and its weight if it lies.
 
-    Under a uniform load the hit point is where the displacement is recorded and where lumped
+    Under a uniform load the impact point is where the displacement is recorded and where lumped
     models have their hinge.
+
+    Examples
+    --------
+    >>> blast = wb.Pulse("friedlander", peak=4e4, length=0.02, decay=1.5)
+    >>> wb.MemberPulse("blast", wb.Column("HEB 220", 2.0, 2.0), blast, load="uniform").whole  # m
+    4.0
     """
 
     name: str = checked(Text(), path="name")

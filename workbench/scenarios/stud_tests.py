@@ -18,8 +18,10 @@ NAMES = Many(Text(), different=True)
 class StudTests(Declared, table="tests"):
     """Tests on studs and what they are used for.
 
-    Raises `InputError`, also where a campaign is to calibrate and to validate, and where a file
-    is not the one whose digest is given.
+    Examples
+    --------
+    >>> wb.StudTests("push-outs", asked="strength", confidence=0.95).tables
+    ('stud-push-out',)
     """
 
     name: str = checked(Text(), path="name")

@@ -124,12 +124,17 @@ class _RateLaw(Instance):
 class Steel(Declared, table="steel"):
     """Structural steel, perfectly plastic unless it hardens or knows its strain rate.
 
-    Arguments: `elastic_modulus` in Pa, `yield_stress` in Pa, `density` in kg/m3;
-    `hardening_modulus` in Pa, the slope of stress over plastic strain; `rate`, the law of strain
-    rate, the name of a grade whose law it takes, or "none"; `grade`, with the `thickness` in m of
-    the thickest plate (up to 16 mm where it is not given): a shorthand, kept as the values that it
-    stands for: yield stress (EN 10025-2) and rate law, where they are not given. Raises
-    `InputError` for values that no structural steel has (wrong units are the usual cause).
+    A `grade`, with the `thickness` of the thickest plate (up to 16 mm where it is not given), is
+    a shorthand, kept as the values that it stands for: yield stress (EN 10025-2) and rate law,
+    where they are not given. `hardening_modulus` is the slope of stress over plastic strain;
+    `rate` is a law of strain rate, the name of a grade whose law it takes, or "none".
+
+    Examples
+    --------
+    >>> wb.Steel(grade="S355", thickness="20 mm").yield_stress
+    345000000.0
+    >>> wb.Steel(yield_stress="300 MPa").rate is None
+    True
     """
 
     elastic_modulus: float = checked(

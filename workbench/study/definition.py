@@ -36,9 +36,26 @@ _KEY = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,79}")
 class Case:
     """One scenario of a study.
 
-    Arguments: `name`, unique in the study; `scenario`; `figure`, key of the figure that shows
-    it; `models`, labels that answer it (empty: all); `parameters`, the coordinates of a sweep
-    (name with unit, value); `quick`, whether the quick form of the study keeps it.
+    Parameters
+    ----------
+    name : str
+        Unique in the study.
+    scenario : Scenario
+        What happens.
+    figure : str
+        Key of the figure that shows it.
+    models : tuple of str
+        Labels that answer it; empty: all.
+    parameters : mapping
+        Coordinates of a sweep, names with unit and values.
+    quick : bool
+        Whether the quick form of the study keeps it.
+
+    Examples
+    --------
+    >>> impact = wb.hit(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
+    >>> wb.Case("slow", impact, parameters={"velocity (m/s)": 5.0}).models
+    ()
     """
 
     name: str
@@ -58,10 +75,26 @@ def varied_case(case: str, variation: str) -> str:
 class Figure:
     """A figure of the report.
 
-    `key` joins it to the cases that name it; `kind` is one that `workbench.report` draws
-    (``history``, ``force-displacement``, ``peaks``, ``interaction``, ``energy``, ``sweep``, ...);
-    `caption` says what is seen and where it was published; `models` are labels (empty: all);
-    `options` are drawing options of that kind.
+    Parameters
+    ----------
+    key : str
+        Name, by which cases choose it.
+    kind : str
+        One that `workbench.report` draws: ``history``, ``force-displacement``, ``peaks``,
+        ``interaction``, ``energy``, ``sweep``, ...
+    title : str
+        Heading.
+    caption : str
+        What is seen, and where it was published.
+    models : tuple of str
+        Labels that it shows; empty: all.
+    options : mapping
+        Drawing options of its kind.
+
+    Examples
+    --------
+    >>> wb.Figure("peaks", "peaks", "Peaks", "Of all models.").kind
+    'peaks'
     """
 
     key: str
@@ -79,19 +112,52 @@ T = TypeVar("T", Case, Figure, Budget)
 class Study:
     """Everything that `workbench run`, `report` and `validate` need; defined in a Python file.
 
-    Arguments: `name` (file-name safe), `title`, `question` (what is asked); `cases`; `models`,
-    label to model; `reference`, the label of the reference; `ladder`, labels of the reference
-    from coarse to fine, each at half the element size and step of the one before, the
-    last being the reference itself (for references that make no coarser runs of their own);
-    `references`, labels from best to worst, the best of which inside its domain counts in each
-    case (empty: the reference); `groups` of cases that the answer tells apart, names to names of
-    cases (empty: one of all); `quantities` compared; `gates`; `figures`; `decisive`, key of the
-    figure of the first page (empty: the first that shows all cases at once); `budgets`, answers
-    whose errors are budgeted: their varied runs are stored, and compared with nothing else;
-    `quick_models`, labels that the quick form keeps (empty: all); `notes`, paragraphs for the
-    report about what is reconstructed, inferred or outside a domain; `whole`, the study of which it
-    is the quick form.
-    Raises `InputError` for labels or names that do not fit together, and for unknown metrics.
+    Parameters
+    ----------
+    name : str
+        Safe as the name of a file.
+    title, question : str
+        Heading of the report and what it answers.
+    cases : tuple of Case
+        Scenarios with their names.
+    models : mapping
+        Models by label.
+    reference : str
+        Label of the model that the others are held against.
+    ladder : tuple of str
+        Labels of the reference from coarse to fine, each at half the element size and step of the
+        one before, the last being the reference; for one that makes no coarser runs by itself.
+    references : tuple of str
+        Labels from best to worst: the best inside its domain counts in each case; empty: the
+        reference.
+    groups : mapping
+        Cases that the answer tells apart, names of cases by name; empty: one group.
+    quantities : tuple of str
+        Variables of responses that are compared.
+    gates, figures, budgets : tuple of Gate, Figure, Budget
+        Criteria, pictures, and answers whose errors are budgeted: their varied runs are stored,
+        and compared with nothing else.
+    decisive : str
+        Key of the figure of the first page; empty: the first that shows all cases at once.
+    quick_models : tuple of str
+        Labels that the quick form keeps; empty: all.
+    notes : tuple of str
+        Paragraphs of the report: what is reconstructed, inferred or outside a domain.
+    whole : Study, optional
+        The study of which it is the quick form.
+
+    Raises
+    ------
+    InputError
+        For labels or names that do not fit together, and for unknown metrics.
+
+    Examples
+    --------
+    >>> case = wb.Case("slow", wb.hit(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5))
+    >>> model = wb.make_model("four-dof")
+    >>> study = wb.Study("mine", "Mine", "How far?", (case,), {"4 dof": model}, reference="4 dof")
+    >>> [label for _, label in study.cells()]
+    ['4 dof']
     """
 
     name: str

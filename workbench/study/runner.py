@@ -453,17 +453,52 @@ def run_study(
 ) -> RunSummary:
     """Answer every cell of a study that the store under ``root/<study name>`` does not hold.
 
-    Arguments: `jobs`, worker processes (None: one per core; 0: no worker, in this process);
-    `quick`, run the quick form of the study; `fresh`, answer stored cells again and drop those
-    that no longer belong to the study; `only`, a shell pattern on case, label or case/label;
-    `timeout`, wall time in s that a cell may take; `scheduler`, address of a Dask cluster;
-    `file`, the study file, if it defines models of its own.
-
     All cells are checked before the first one is answered. A cell that fails is a stored result;
     crashed cells are answered again by the next run, timed-out ones if it allows more time.
     Killing the run at any moment loses at most the cells in flight.
-    Raises `InputError` for a study, pattern, store or scheduler that cannot be used;
-    KeyboardInterrupt passes through, with everything answered so far in the store.
+
+    Parameters
+    ----------
+    study : Study
+        Cases and models.
+    root : Path
+        Folder of stores.
+    jobs : int, optional
+        Worker processes; None: one per core; 0: none, in this process.
+    quick : bool
+        Whether to run the quick form of the study.
+    fresh : bool
+        Whether to answer stored cells again, and to drop those that no longer belong to the study.
+    only : str, optional
+        Shell pattern on case, label or case/label.
+    timeout : float, optional
+        Wall time of a cell, in s.
+    progress : Progress, optional
+        Callbacks of the run.
+    scheduler : str, optional
+        Address of a Dask cluster.
+    file : Path, optional
+        The study file, if it defines models of its own.
+
+    Returns
+    -------
+    RunSummary
+        Cells `answered` now and `stored` before, their `outcomes`, and the `directory`.
+
+    Raises
+    ------
+    InputError
+        For a study, pattern, store or scheduler that cannot be used.
+    KeyboardInterrupt
+        Passed through, with everything answered so far in the store.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> impact = wb.hit(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
+    >>> study = wb.study_of([impact], ["energy-estimate", "single-dof"], "single-dof")
+    >>> wb.run_study(study, Path("results"), jobs=0).outcomes
+    {'ok': 2}
     """
     study = study.quickened() if quick else study
     cells = cells_of(study)

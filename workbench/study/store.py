@@ -330,8 +330,26 @@ def study_files() -> dict[str, Path]:
 def load_study(name: str | Path) -> LoadedStudy:
     """Load a study by the path of its file or by its name in ``studies/``.
 
-    Raises `InputError` if there is no such study (naming the nearest one), if the file cannot
-    be run, or if it does not define ``study = Study(...)``.
+    Parameters
+    ----------
+    name : str or Path
+        File, such as `workbench new study` prints one, or name of a study.
+
+    Returns
+    -------
+    LoadedStudy
+        The `study` and its `file`, which worker processes load as well.
+
+    Raises
+    ------
+    InputError
+        If there is no such study (naming the nearest one), if the file cannot be run, or if it
+        does not define ``study = Study(...)``.
+
+    Examples
+    --------
+    >>> len(wb.load_study("studies/mine.py").study.cases) > 1
+    True
     """
     path = Path(name)
     if path.suffix != ".py":

@@ -56,12 +56,27 @@ class Verdict(StrEnum):
 class Gate:
     """An acceptance criterion on one metric of one quantity for one model of a study.
 
-    Arguments: `model` and `against`, labels in the study (the model judged, and what it is held
-    against: the reference or a published series); `quantity`, a response variable such as
-    ``peak_displacement``; `metric`, a name in `workbench.study.assessment.METRICS`; `bound` on the
-    absolute value of the metric; `rationale` and `source` for the reader; `cases`, names of the
-    cases (empty: all that the study asks of both labels). Metrics of a response alone take the
-    same label twice.
+    Parameters
+    ----------
+    model, against : str
+        Labels in the study: the model judged, and the reference or published series that it is
+        held against; of a metric of a response alone the same label.
+    quantity : str
+        A response variable such as ``peak_displacement``.
+    metric : str
+        A name in `workbench.study.assessment.METRICS`.
+    bound : float
+        Largest absolute value of the metric.
+    rationale, source : str
+        Reason of the bound, and where it comes from.
+    cases : tuple of str
+        Names of cases; empty: all that the study asks of both labels.
+
+    Examples
+    --------
+    >>> because = "design margin", "EN 1990"
+    >>> wb.Gate("4 dof", "fiber", "peak_displacement", "relative-error", 0.1, *because).name
+    '4 dof against fiber: relative-error of peak_displacement'
     """
 
     model: str

@@ -47,10 +47,26 @@ _GIVEN = "one input varied, both ways"
 
 @dataclass(frozen=True)
 class Budget:
-    """A budget that a study asks for: a `case` and the labels of the `models` that it is for.
+    """A budget that a study asks for.
 
-    `spreads` are half-widths of inputs as shares, instead of those of `SPREADS`; zero leaves an
-    input out. Raises `InputError` for unknown inputs and shares that are none.
+    Parameters
+    ----------
+    case : str
+        Name of the case.
+    models : tuple of str
+        Labels that it is for.
+    spreads : mapping
+        Half-widths of inputs as shares, instead of those of `SPREADS`; zero leaves one out.
+
+    Raises
+    ------
+    InputError
+        For unknown inputs and shares that are none.
+
+    Examples
+    --------
+    >>> wb.Budget("slow", ("4 dof",), spreads={"velocity": 0.1}).spreads
+    {'velocity': 0.1}
     """
 
     case: str
