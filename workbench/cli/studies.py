@@ -48,7 +48,7 @@ def run(
     an answer); a gate that fails makes the status of `workbench validate`.
     """
     from workbench.report.figures import check_kind
-    from workbench.study import State, assess, load_study, run_study
+    from workbench.study import CellProgress, assess, load_study, run_study
     from workbench.study.runner import Progress, progress_for
 
     loaded = load_study(study)
@@ -70,7 +70,7 @@ def run(
         )
     except KeyboardInterrupt:
         directory, entries = _surveyed(_chosen(study, quick), store)
-        stored = sum(entry.state is not State.TO_DO for entry in entries)
+        stored = sum(entry.state is not CellProgress.TO_DO for entry in entries)
         many = f"interrupted: {stored} of {len(entries)} cells are stored in {directory}"
         raise InterruptedByUserError(f"{many}; run again to go on") from None
     result = assess(summary.study, Path(store))
@@ -112,7 +112,7 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
     from collections import Counter
 
     from workbench.report.page.formatting import several
-    from workbench.study import State
+    from workbench.study import CellProgress
 
     chosen = _chosen(study, quick)
     directory, entries = _surveyed(chosen, store)
@@ -120,7 +120,7 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
     content = {
         "study": chosen.name,
         "store": str(directory),
-        "counts": {state.value: counts[state] for state in State},
+        "counts": {state.value: counts[state] for state in CellProgress},
         "cells": [
             {
                 "case": entry.cell.case,
@@ -135,12 +135,12 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
     }
     waiting: dict[tuple[str, str], list[str]] = {}
     for entry in entries:
-        if entry.state is not State.DONE:
-            failed = entry.state is State.FAILED
+        if entry.state is not CellProgress.DONE:
+            failed = entry.state is CellProgress.FAILED
             state = (entry.outcome, "") if failed else ("to do", f", {entry.reason}")
             waiting.setdefault(state, []).append(entry.cell.name)
     items = tuple(f"{a} ({len(names)}){b}: {several(names)}" for (a, b), names in waiting.items())
-    line = f"{chosen.name}: " + ", ".join(f"{counts[state]} {state}" for state in State)
+    line = f"{chosen.name}: " + ", ".join(f"{counts[state]} {state}" for state in CellProgress)
     return Answer(content, (paragraph(line), bullets(items)))
 
 
