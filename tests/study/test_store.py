@@ -19,11 +19,11 @@ from toy_models import Spring
 from workbench.base.errors import InputError
 from workbench.models.four_dof import FourDof
 from workbench.report.build import build_report
-from workbench.report.stored import Stored
 from workbench.responses import Outcome, Response, failed_response
 from workbench.responses.build import provenance
 from workbench.scenarios import ColumnImpact, Scenario
 from workbench.study import Case, CellProgress, Store, Study, assess, cells_of, run_study, survey
+from workbench.study.assessor import read_assessment
 from workbench.study.store import (
     canonical_json,
     read_netcdf,
@@ -44,7 +44,7 @@ def written(study: Study, root: Path) -> None:
     """All that `run` and `report` write into a store."""
     run_study(study, root, jobs=0)
     assess(study, root)
-    build_report(Stored(root / study.name, study), formats=("html",))
+    build_report(read_assessment(root / study.name, study), formats=("html",))
 
 
 def states(study: Study, root: Path) -> list[CellProgress]:
@@ -151,7 +151,9 @@ def test_what_is_written_already_is_not_written_again(small: Study, tmp_path: Pa
     files = [path for path in (tmp_path / "toy").rglob("*") if path.is_file()]
     before = {path: path.stat().st_mtime_ns for path in files}
     assess(small, tmp_path)
-    build_report(Stored(tmp_path / "toy", small), formats=("html",), out=tmp_path / "elsewhere")
+    build_report(
+        read_assessment(tmp_path / "toy", small), formats=("html",), out=tmp_path / "elsewhere"
+    )
     assert {path: path.stat().st_mtime_ns for path in files} == before
 
 
@@ -349,7 +351,7 @@ def test_cells_that_are_signed_but_broken_are_answered_again(
         assert states(small, tmp_path).count(CellProgress.TO_DO) == 1
         assert assess(small, tmp_path).tables["cells"]["outcome"][0] == "not run"
     if kind in REPORTED:  # a report reads what `assess` has read: nothing of a broken cell
-        build_report(Stored(store.directory, small), formats=("html",))
+        build_report(read_assessment(store.directory, small), formats=("html",))
     assert run_study(small, tmp_path, jobs=0).answered == 1
     assert states(small, tmp_path).count(CellProgress.TO_DO) == 0
 

@@ -193,23 +193,25 @@ def _table(compared: Comparison, objects: list[dict[str, Any]]) -> Iterator[Bloc
     """Several answers, as JSON holds them, as one table, their warnings below."""
     from workbench.api.accessor import TABLED, fate_of
     from workbench.report.page.formatting import quantities
-    from workbench.study.error_model.error_model import ExpectedError
+    from workbench.responses import error_of, findings_of
 
     columns = {
         "model": "model",
         "fate": lambda row: fate_of(compared[row["model"]]),
         **quantities(*TABLED),
-        "error of the peak": lambda row: str(ExpectedError(**row["error"])),
+        "error of the peak": lambda row: str(error_of(compared[row["model"]])),
         "wall time": lambda row: time_of(compared[row["model"]]),
     }
     yield Table.of("models", compared.scenario.name, columns, objects)
-    for each in objects:
-        yield from warnings((*each["refusals"], *each["warnings"]), f" of {each['model']}")
+    for label, response in compared.responses.items():
+        findings = sorted(findings_of(response), key=lambda finding: not finding.refusal)
+        yield from warnings(findings, f" of {label}")
 
 
 def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -> Iterator[Block]:
     from workbench.report.page.formatting import in_unit
-    from workbench.study.error_model.error_model import PEAK, ExpectedError
+    from workbench.responses import error_of, warnings_of
+    from workbench.study.error_model.error_model import PEAK
 
     yield paragraph(f"{name}: {answer['headline']}")
     if answer["message"]:
@@ -223,14 +225,14 @@ def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -
         known = "" if value is None else f", {in_unit(value, PEAK, width=width, kind=_KIND)}"
         rows.insert(1, (f"by {other['model']}, a reference", f"{other['outcome']}{known}"))
     yield definitions(tuple(rows if full else islice(rows, _ROWS)))
-    error = ExpectedError(**answer["error"])
+    error = error_of(response)
     if error.collapse is not None:
         yield paragraph(f"Error of the peak displacement: {error}.")
     elif answer[PEAK] is not None and error.high is None:
         yield paragraph(f"No interval of the peak displacement: {error.reason}.")
     for note in answer["notes"]:
         yield paragraph(f"Note: {note}.")
-    yield from warnings(answer["warnings"])
+    yield from warnings(warnings_of(response))
     if len(rows) > _ROWS and not full:
         yield paragraph(f"{len(rows) - _ROWS} more numbers with --full.")
 
@@ -581,9 +583,9 @@ def _value(value: float | None, unit: str) -> Cell | None:
 
 
 def _how(trial: SurvivalTrial) -> str:
-    collapse: dict[str, Any] | None = trial.collapse
+    collapse = trial.collapse
     if collapse is None:
         return "" if trial.survives else f"{trial.outcome}: {trial.message}"
-    at = "" if collapse["time"] is None else f" after {collapse['time']:.3g} s"
-    where = ", ".join(collapse["parts"])
-    return f"{collapse['mechanism']} ({where}) at {collapse['displacement']:.3g} m{at}"
+    at = "" if collapse.time is None else f" after {collapse.time:.3g} s"
+    where = ", ".join(collapse.parts)
+    return f"{collapse.mechanism} ({where}) at {collapse.displacement:.3g} m{at}"

@@ -169,26 +169,24 @@ def report(
     from workbench.report.build import build_report
     from workbench.report.build import summary as write_summary
     from workbench.report.chapters.answer import in_brief
-    from workbench.report.stored import Stored
     from workbench.study import assess
 
     chosen = _chosen(study, quick)
     result = assess(chosen, Path(store))
-    stored = Stored(result.directory, chosen, result.responses)
-    files = build_report(stored, formats=wanted, out=None if out is None else Path(out))
+    files = build_report(result, formats=wanted, out=None if out is None else Path(out))
     if archive is not None:
         form = f"{study} --quick" if quick else study
         commands = f"workbench run {form}", f"workbench report {form} --crate {archive.name}"
-        companion("exports", "crate")(stored, files["figures"].parent, archive, commands)
+        companion("exports", "crate")(result, files["figures"].parent, archive, commands)
         files["crate"] = archive
     if summary is not None:
-        files["summary"] = write_summary(stored, Path(summary))
+        files["summary"] = write_summary(result, Path(summary))
     content: dict[str, Any] = {
         "study": chosen.name,
         "files": {name: str(path) for name, path in files.items()},
         "gates": gate_objects(result),
     }
-    shown = [in_brief(chosen, stored), definitions(content["files"].items())]
+    shown = [in_brief(chosen, result), definitions(content["files"].items())]
     if "html" in files and "explorer" not in files:
         shown.append(paragraph("No explorer: no answer of this study is a history or a curve."))
     return Answer(content, tuple(shown))
@@ -228,9 +226,8 @@ def gate_objects(result: Assessment) -> list[dict[str, Any]]:
 def _answer(study: Study, result: Assessment) -> Block:
     """The matrix and the verdicts as the report has them."""
     from workbench.report.chapters.answer import in_brief
-    from workbench.report.stored import Stored
 
-    return in_brief(study, Stored(result.directory, study))
+    return in_brief(study, result)
 
 
 def _chosen(name: str, quick: bool) -> Study:

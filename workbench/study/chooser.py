@@ -26,10 +26,11 @@ import scipy
 from workbench.base.errors import OutOfDomainError
 from workbench.models.strain_rate import feels_rate
 from workbench.responses import Outcome
+from workbench.responses.outcome import WARNED
 from workbench.study.assessment import bias_and_scatter
 from workbench.study.assessment.gates import PEAK, REMAINS, RESIDUAL
 from workbench.study.definition import Study, holds_data
-from workbench.study.error_model.error_model import BEYOND, WARNED, chance_beyond
+from workbench.study.error_model.error_model import BEYOND, chance_beyond
 from workbench.study.error_model.error_table import LocalMean, ends_of, table_of, variant_of
 from workbench.study.error_rows import DOUBTFUL
 from workbench.study.store import NOT_RUN

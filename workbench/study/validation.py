@@ -5,14 +5,14 @@ that judge the strength of studs; coverage is the share of tests inside the stat
 comparison, numerical and measurement, with its exact binomial interval.
 """
 
-import json
 from collections.abc import Iterator, Sequence
 from math import sqrt
 
 import pandas as pd
 
 from workbench.base.errors import InputError, SolverError
-from workbench.responses import is_synthetic
+from workbench.responses import attribute, is_synthetic
+from workbench.responses.uncertainty import DATA_WIDTHS
 from workbench.study.assessment import METRICS
 from workbench.study.comparisons import CaseAnswers, compare
 from workbench.study.definition import Study, holds_data
@@ -55,9 +55,9 @@ def _pair(answers: CaseAnswers, model: str, against: str, quantity: str) -> Row 
     test, prediction = compared.against_value, compared.value
     if test is None or prediction is None or min(test, prediction) <= 0.0:
         return None
-    attributes = answers.responses[against].attrs
-    width = json.loads(attributes["data_uncertainty"])[quantity]
-    row = {"campaign": json.loads(attributes["data"])["campaign"], "specimen": answers.case.name}
+    measured = answers.responses[against]
+    width = attribute(measured, DATA_WIDTHS)[quantity]
+    row = {"campaign": attribute(measured, "data")["campaign"], "specimen": answers.case.name}
     row |= {"test": test, "prediction": prediction, "measured": width / test}
     return {**row, "error": compared.error, "uncertainty": compared.uncertainty}
 

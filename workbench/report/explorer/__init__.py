@@ -57,8 +57,8 @@ from workbench.report.figures.curves import PARTS
 from workbench.report.page.documents import STYLE, templates
 from workbench.report.page.formatting import count
 from workbench.report.page.reading import callouts
-from workbench.report.stored import CellState, Stored
 from workbench.scenarios import FrameImpact
+from workbench.study.assessor import Assessment, CellState
 from workbench.study.chooser import ALL, against_governing
 from workbench.study.definition import Case, Study
 from workbench.study.tables import rows_of
@@ -75,7 +75,7 @@ _MOST_NAMES = 8  # cases that an axis names; more are counted
 Rows = list[dict[str, Any]]
 
 
-def explorer(study: Study, stored: Stored, largest: int = LARGEST) -> str | None:
+def explorer(study: Study, stored: Assessment, largest: int = LARGEST) -> str | None:
     """HTML of the explorer from stored results, None for a study without histories or curves.
 
     `largest`, bytes that the page may take: curves are thinned until they fit, or are as rough as
@@ -164,8 +164,8 @@ class _CaseOfPage(NamedTuple):
         }
 
 
-def _cases(study: Study, stored: Stored, plane: Plane) -> Iterator[_CaseOfPage]:
-    governing = {row["case"]: row for row in stored.rows["references"] if row.get("label")}
+def _cases(study: Study, stored: Assessment, plane: Plane) -> Iterator[_CaseOfPage]:
+    governing = {row["case"]: row for row in stored.records("references") if row["label"]}
     errors: dict[tuple[str, str], dict[str, Any]] = {}
     for row in rows_of(against_governing(stored.tables).reset_index()):
         errors.setdefault((row["case"], row["model"]), {})[row["quantity"]] = row
