@@ -371,6 +371,7 @@ def sweep(
         raise InputError("--over", [key for key, _ in pairs], "must name each key once")
     given = load_scenario(scenario, settings or [])
     from workbench.api.sweeps import sweep as swept
+    from workbench.study.tables import rows_of
 
     with at_work("the sweep at work"):
         how = Reading(sheet, sep, decimal)
@@ -385,13 +386,13 @@ def sweep(
         from workbench.report.gallery import save
 
         save(sweep_chart(answers, picture.name), picture)
-    rows = table.astype(object).where(table.notna(), None).to_dict("records")
+    rows = rows_of(table)
     outcomes = table["outcome"].value_counts()
     keys = [str(key) for key in (values if rows_of_cases is None else rows_of_cases)]
     content: dict[str, Any] = {"scenario": given.name, "over": keys, "answers": rows}
     content["notes"] = list(notes)
     answered = int(outcomes.get("ok", 0)) + int(outcomes.get("collapse", 0)) == len(rows)
-    shown = [*map(paragraph, notes), *_answers(given.name, keys, table, rows)]
+    shown = [*map(paragraph, notes), *_answers(given.name, keys, table)]
     return Answer(content, shown, int(not answered), {"table": target, "picture": picture})
 
 
@@ -438,17 +439,17 @@ def _values(text: str) -> tuple[str, list[Any]]:
     return key.strip(), [round(low + step * k, 12) for k in range(number + 1)]
 
 
-def _answers(name: str, keys: list[str], table: pd.DataFrame, rows: list[Any]) -> Iterator[Block]:
+def _answers(name: str, keys: list[str], table: pd.DataFrame) -> Iterator[Block]:
     from workbench.report.page.formatting import quantities
 
     outcomes = ", ".join(f"{n} {each}" for each, n in table["outcome"].value_counts().items())
-    yield paragraph(f"{name}: {len(rows)} answers, {outcomes}.")
+    yield paragraph(f"{name}: {len(table)} answers, {outcomes}.")
     answered = (q for q in ("peak_displacement", "residual_displacement") if q in table)
     named = {name: name for name in ("model", *keys)}
     columns = {**named, **quantities(*answered), "outcome": "outcome"}
-    yield Table.of("sweep", "", columns, rows[:_SHOWN])
-    if len(rows) > _SHOWN:
-        yield paragraph(f"{len(rows) - _SHOWN} more rows stand in --out and --json.")
+    yield Table.of("sweep", "", columns, table[:_SHOWN])
+    if len(table) > _SHOWN:
+        yield paragraph(f"{len(table) - _SHOWN} more rows stand in --out and --json.")
 
 
 @verb

@@ -89,10 +89,9 @@ def run(
 def _ran(summary: RunSummary, result: Assessment, again: str) -> Iterator[Block]:
     from workbench.responses import Outcome
     from workbench.study.store import NOT_RUN
-    from workbench.study.tables import rows_of
 
     yield _answer(summary.study, result)
-    for row in rows_of(result.tables["cells"]):
+    for row in result.records("cells"):
         if row["outcome"] != NOT_RUN and Outcome(row["outcome"]).is_failure:
             yield paragraph(f"{row['case']}/{row['label']}: {row['outcome']}: {row['message']}")
     counts = ", ".join(f"{n} {outcome}" for outcome, n in sorted(summary.outcomes.items()))
@@ -203,23 +202,16 @@ def validate(study: StudyName, quick: Quick = False, store: StoreRoot = "reports
     chosen = _chosen(study, quick)
     result = assess(chosen, Path(store))
     content = {"study": chosen.name, "failed": result.failed, "gates": gate_objects(result)}
-    reasons = tuple(
-        f"{case.verdict}: {verdict.gate.name}, case {case.case}: {case.note}"
-        for verdict in result.verdicts
-        for case in verdict.cases
-        if case.verdict != "pass"
-    )
+    cases = result.tables["gates"].query("verdict != 'pass'").itertuples()
+    reasons = tuple(f"{each.verdict}: {each.gate}, case {each.case}: {each.note}" for each in cases)
     return Answer(content, (_answer(chosen, result), bullets(reasons)), int(result.failed))
 
 
 def gate_objects(result: Assessment) -> list[dict[str, Any]]:
     """The verdicts of the gates, as the table of verdicts has them."""
-    from workbench.study.tables import rows_of
-
-    rows = rows_of(result.tables["verdicts"])
     return [
         {**{name: row[name] for name in _SHOWN}, "counts": verdict.counts}
-        for row, verdict in zip(rows, result.verdicts, strict=True)
+        for row, verdict in zip(result.records("verdicts"), result.verdicts, strict=True)
     ]
 
 

@@ -1,6 +1,6 @@
 """Assessing a stored study: tables of cells, comparisons, ladders and verdicts. Never simulates."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain
@@ -24,17 +24,7 @@ from workbench.responses.histories import SCALARS, TIMES
 from workbench.responses.outcome import SYNTHETIC
 from workbench.study.assessment.gates import GateVerdict, Verdict
 from workbench.study.cells import StudyCell, as_answered, cells_of
-from workbench.study.chooser import (
-    BIAS_COLUMNS,
-    COST_COLUMNS,
-    MATRIX_COLUMNS,
-    RANKING_COLUMNS,
-    bias_rows,
-    cost_rows,
-    error_tables,
-    matrix_rows,
-    ranking_rows,
-)
+from workbench.study.chooser import derived_tables
 from workbench.study.comparisons import (
     LADDER_COLUMNS,
     CaseAnswers,
@@ -54,20 +44,12 @@ from workbench.study.tables import (
     read_table,
     rows_of,
     table,
+    tabled,
     texts,
     write_table,
 )
-from workbench.study.validation import VALIDATION_COLUMNS, validation_rows
-from workbench.study.verdicts import (
-    GATE_COLUMNS,
-    REFERENCE_COLUMNS,
-    VERDICT_COLUMNS,
-    gate_rows,
-    outside,
-    reference_row,
-    verdict_row,
-    verdicts_of,
-)
+from workbench.study.validation import validation
+from workbench.study.verdicts import gates, outside, references, verdict_table, verdicts_of
 
 ERROR = ("expected", "low", "high", "chance")  # of the error to expect, what cells hold
 _CELL = (
@@ -98,6 +80,7 @@ _COMPARISON = (
     | texts("note")
     | numbers("low", "high")
 )
+_LADDER = texts("case", "quantity")
 _BUDGET = (
     texts("case", "label", "form", "quantity")
     | numbers("value")
@@ -296,9 +279,9 @@ def assessment_of(study: Study, responses: Mapping[str, Response]) -> Assessment
     )
     tables = {
         "cells": table(cells, {**_CELL, **numbers(*SCALARS), **_DERIVED}),
-        "findings": table(_finding_rows(answers), _FINDING),
+        "findings": _findings([answers]),
         "comparisons": table((), {**texts("case"), **_COMPARISON}),
-        "ladder": table((), {**texts("case", "quantity"), **LADDER_COLUMNS}),
+        "ladder": table((), {**_LADDER, **LADDER_COLUMNS}),
     }
     return Assessment(Path(), study, tables, responses=dict(responses))
 
@@ -323,60 +306,41 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
             raise InputError("case.parameters", name, "is the name of a column", "rename it")
     records: dict[str, Record] = {}
     responses: dict[str, Response] = {}
-    by_case: dict[str, list[StudyCell]] = {}
+    by_case: dict[str, dict[str, StudyCell]] = {case.name: {} for case in study.cases}
     for cell in cells:
-        by_case.setdefault(cell.case, []).append(cell)
+        by_case.setdefault(cell.case, {})[cell.label] = cell
         answer = None if cell.key in responses else store.answer(cell.key, cell.ingredients)
         if answer is not None:
             records[cell.key], responses[cell.key] = answer
-    given = []
+    answers = []
     for case in study.cases:
-        cells_by_label = {cell.label: cell for cell in by_case.get(case.name, [])}
-        answered = {
-            label: responses[cell.key]
-            for label, cell in cells_by_label.items()
-            if cell.key in responses
-        }
-        given.append(CaseAnswers(study, case, tuple(cells_by_label), answered))
+        of_case = by_case[case.name]
+        known = {n: responses[cell.key] for n, cell in of_case.items() if cell.key in responses}
+        answers.append(CaseAnswers(study, case, tuple(of_case), known))
+    rows = (
+        _cell_row(each, cell, records.get(cell.key))
+        for each in answers
+        for cell in by_case[each.case.name].values()
+    )
+    scalars = numbers(*SCALARS, *map(width_of, study.quantities))
+    verdicts = verdicts_of(study, answers)
     tables = {
-        "cells": table(
-            (
-                _cell_row(answers, cell, records.get(cell.key))
-                for answers in given
-                for cell in by_case.get(answers.case.name, [])
-            ),
-            {
-                **{**_CELL, **parameters, **numbers(*SCALARS, *map(width_of, study.quantities))},
-                **_DERIVED,
-            },
-        ),
-        "findings": table((row for answers in given for row in _finding_rows(answers)), _FINDING),
-        "references": table(map(reference_row, given), REFERENCE_COLUMNS),
+        "cells": table(rows, {**_CELL, **parameters, **scalars, **_DERIVED}),
+        "findings": _findings(answers),
+        "references": references(answers),
     }
-    verdicts = verdicts_of(study, given)
-    best = tables["references"]["label"]
-    comparisons = map(comparison_rows, given, best)
-    ladders = (ladder_row(answers, q) for answers in given for q in study.quantities)
+    comparisons = map(comparison_rows, answers, tables["references"]["label"])
+    ladders = (ladder_row(each, quantity) for each in answers for quantity in study.quantities)
+    steps = numbers(*study.steps)
     tables |= {
         "comparisons": table(chain(*comparisons), {**texts("case"), **parameters, **_COMPARISON}),
-        "ladder": table(
-            filter(None, ladders),
-            {**texts("case", "quantity"), **numbers(*study.steps), **LADDER_COLUMNS},
-        ),
-        "gates": table(gate_rows(verdicts), GATE_COLUMNS),
-        "verdicts": table(map(verdict_row, verdicts), VERDICT_COLUMNS),
-        "validation": table(validation_rows(study, given), VALIDATION_COLUMNS),
-        "budget": table(_budget_rows(study, cells, responses), _BUDGET),
+        "ladder": table(filter(None, ladders), {**_LADDER, **steps, **LADDER_COLUMNS}),
+        "gates": gates(verdicts),
+        "verdicts": verdict_table(verdicts),
+        "validation": validation(study, answers),
+        "budget": _budget(study, cells, responses),
     }
-    derived: dict[str, tuple[Callable[[Study, Tables], Iterable[Row]], Columns]] = {
-        "bias": (bias_rows, BIAS_COLUMNS),
-        "matrix": (matrix_rows, MATRIX_COLUMNS),
-        "cost": (cost_rows, COST_COLUMNS),
-        "ranking": (ranking_rows, RANKING_COLUMNS),
-    }
-    for name, (rows, columns) in derived.items():
-        tables[name] = table(rows(study, tables), columns)
-    tables |= error_tables(study, tables)
+    tables |= derived_tables(study, tables)
     store.prepare()
     for name, each in tables.items():
         write_table(store.tables / name, each)
@@ -404,11 +368,13 @@ def _cell_row(answers: CaseAnswers, cell: StudyCell, record: Record | None) -> R
     return {**row, **answers.case.parameters, **_widths(answers, cell.label)}
 
 
-def _finding_rows(answers: CaseAnswers) -> Iterator[Row]:
-    for label, response in answers.responses.items():
-        who = {"case": answers.case.name, "label": label}
-        model = answers.study.models[label].name
-        yield from ({**who, "model": model, **f.as_dict()} for f in findings_of(response))
+@tabled(_FINDING)
+def _findings(answers: Sequence[CaseAnswers]) -> Iterator[Row]:
+    """A row for every finding of an answer."""
+    for each in answers:
+        for label, response in each.responses.items():
+            who = {"case": each.case.name, "label": label, "model": each.study.models[label].name}
+            yield from ({**who, **finding.as_dict()} for finding in findings_of(response))
 
 
 def numbers_of(response: Response, record: Record) -> Row:
@@ -447,7 +413,8 @@ def _widths(answers: CaseAnswers, label: str) -> Row:
     return {width_of(q): width for q in known if (width := of_side(answers, label, q)[0])}
 
 
-def _budget_rows(
+@tabled(_BUDGET)
+def _budget(
     study: Study, cells: Sequence[StudyCell], read: Mapping[str, Response]
 ) -> Iterator[Row]:
     """A row for every term and sum of every budget, per label, form and quantity."""

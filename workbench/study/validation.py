@@ -16,7 +16,7 @@ from workbench.responses.uncertainty import DATA_WIDTHS
 from workbench.study.assessment import METRICS
 from workbench.study.comparisons import CaseAnswers, compare
 from workbench.study.definition import Study, holds_data
-from workbench.study.tables import Row, counts, numbers, texts
+from workbench.study.tables import Row, counts, numbers, tabled, texts
 
 VALIDATION_COLUMNS = (
     texts("model", "against", "quantity")
@@ -32,7 +32,8 @@ _TWO_SIDED = 1.96  # standard deviations in a half-width that holds 95 %
 MEASURED = "measured"  # name of the model that answers with tests
 
 
-def validation_rows(study: Study, answers: Sequence[CaseAnswers]) -> Iterator[Row]:
+@tabled(VALIDATION_COLUMNS)
+def validation(study: Study, answers: Sequence[CaseAnswers]) -> Iterator[Row]:
     """A row for every model, measured side and quantity; none where nothing was measured."""
     sides = [label for label, model in study.models.items() if model.name == MEASURED]
     for against in sides:

@@ -183,10 +183,10 @@ def anchored(stored: Assessment) -> Markdown:
 def error_model(stored: Assessment) -> Markdown:
     """Section on the error model: coverage of intervals, error and cost of ways to choose."""
     return PAGE.blocks(
-        "error_model", coverage=stored.records("coverage"), chooser=stored.records("chooser")
+        "error_model", coverage=stored.tables["coverage"], chooser=stored.tables["chooser"]
     )
 
 
 def ranking(stored: Assessment) -> Markdown:
     """All models of every large group, the best first."""
-    return PAGE.blocks("ranking", rows=stored.records("ranking"))
+    return PAGE.blocks("ranking", rows=stored.tables["ranking"])

@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import Any
 
+import pandas as pd
+
 from workbench.report.page.formatting import (
     axis_label,
     duration,
@@ -22,7 +24,7 @@ from workbench.responses.uncertainty import sampled_interval
 from workbench.study.assessment import METRICS, Scope
 from workbench.study.assessor import BEST, Assessment, width_of
 from workbench.study.definition import DATA, Study, holds_data
-from workbench.study.tables import Row, rows_of
+from workbench.study.tables import Row
 from workbench.study.validation import MEASURED
 
 MARK = "SYNTHETIC, no tests: "  # before every caption of a report that shows made numbers
@@ -55,8 +57,9 @@ def _tests(study: Study) -> list[str]:
 
 def validation(study: Study, stored: Assessment) -> Markdown:
     """Bias, scatter and coverage over tests, and the sources of the tests; None without tests."""
-    rows = stored.records("validation")
-    return PAGE.blocks("validation", rows=rows, sources=_sources(study, stored) if rows else [])
+    rows = stored.tables["validation"]
+    sources = _sources(study, stored) if len(rows) else []
+    return PAGE.blocks("validation", rows=rows, sources=sources)
 
 
 def _sources(study: Study, stored: Assessment) -> list[dict[str, Any]]:
@@ -81,7 +84,7 @@ def numbers(study: Study, stored: Assessment) -> Markdown:
         "numbers",
         values=[table for table in tables.values() if table is not None],
         shapes=list(_shapes(study, stored)),
-        bias=[] if len(stored.tables["matrix"]) else stored.records("bias"),  # the matrix says more
+        bias=[] if len(stored.tables["matrix"]) else stored.tables["bias"],  # the matrix says more
         silent=[title_of(quantity) for quantity, table in tables.items() if table is None],
     )
 
@@ -223,7 +226,7 @@ def cost(study: Study, stored: Assessment, figures: Iterable[Picture]) -> Markdo
     )
 
 
-def _times(study: Study, stored: Assessment) -> list[dict[str, Any]]:
+def _times(study: Study, stored: Assessment) -> pd.DataFrame:
     """Wall times (s) by label and kind of scenario: whole answers, and the median of solving."""
     cells = stored.tables["cells"]
     kinds = {case.name: case.scenario.KIND for case in study.cases}
@@ -233,4 +236,4 @@ def _times(study: Study, stored: Assessment) -> list[dict[str, Any]]:
     times = whole["wall_time"].agg(["count", "min", "median", "max"])
     times["solving"] = whole["solve_time"].median()
     order = [(label, kind) for label in labels for kind in dict.fromkeys(kinds.values())]
-    return rows_of(times.reindex([key for key in order if key in times.index]).reset_index())
+    return times.reindex([key for key in order if key in times.index]).reset_index()

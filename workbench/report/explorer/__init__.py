@@ -58,10 +58,9 @@ from workbench.report.page.documents import STYLE, templates
 from workbench.report.page.formatting import count
 from workbench.report.page.reading import callouts
 from workbench.scenarios import FrameImpact
-from workbench.study.assessor import Assessment, CellState
-from workbench.study.chooser import ALL, against_governing
+from workbench.study.assessor import BEST, Assessment, CellState
+from workbench.study.chooser import ALL
 from workbench.study.definition import Case, Study
-from workbench.study.tables import rows_of
 
 FILE = "explorer.html"
 LARGEST = 6_500_000  # bytes of a page, of which BokehJS takes 1.7 million
@@ -166,9 +165,7 @@ class _CaseOfPage(NamedTuple):
 
 def _cases(study: Study, stored: Assessment, plane: Plane) -> Iterator[_CaseOfPage]:
     governing = {row["case"]: row for row in stored.records("references") if row["label"]}
-    errors: dict[tuple[str, str], dict[str, Any]] = {}
-    for row in rows_of(against_governing(stored.tables).reset_index()):
-        errors.setdefault((row["case"], row["model"]), {})[row["quantity"]] = row
+    errors = {q: stored.errors(q, "relative_error", BEST) for q in plane.numbers}
     for case in study.cases:
         if plane is HISTORIES and case.scenario.STATIC is not False:
             continue
@@ -183,7 +180,8 @@ def _cases(study: Study, stored: Assessment, plane: Plane) -> Iterator[_CaseOfPa
             response = stored.response(case.name, label, keep=False)
             band = label == reference.get("label")
             record = None if response is None else record_of(case, response, band=band)
-            compared = errors.get((case.name, label), {})
+            cell = case.name, label
+            compared = {q: known[cell] for q, known in errors.items() if cell in known}
             numbers = numbers_of(state, response, compared, plane, best=best, sure=sure)
             answers.append(_Answer(state, numbers, record))
         yield _CaseOfPage(case, reference, tuple(answers))
