@@ -103,9 +103,10 @@ def test_a_figure_touches_few_functions(stored: Any, kind: str) -> None:
     from workbench.report.drawing.style import looks
     from workbench.report.figures import draw
     from workbench.report.gallery import to_svg
+    from workbench.study.assessor import read_assessment
 
     study = stored.study
-    fresh = type(stored)(stored.directory, study)
+    fresh = read_assessment(stored.directory, study)
 
     def picture() -> str:
         figure = Figure(kind, kind, kind, kind)

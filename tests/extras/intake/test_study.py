@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from pages import View, views
 from scipy.stats import beta
@@ -191,8 +192,7 @@ def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) 
 def test_studies_of_impacts_without_tests_carry_the_footnote(empty: Path) -> None:
     def notes(name: str) -> list[View]:
         study = load_study(ROOT / "studies" / f"{name}.py").study
-        stored = read_assessment(empty, study)
-        stored.__dict__["synthetic"] = False
+        stored = Assessment(empty, study, {"findings": pd.DataFrame({"subject": []})})
         return views(footnote(study, stored))
 
     (statements,) = notes("column_sweep")
