@@ -57,6 +57,11 @@ class MatrixCell(NamedTuple):
     bias: float | None
     brief: str = ""
 
+    @property
+    def words(self) -> str:
+        """All that the cell says, in one line."""
+        return "; ".join(filter(None, (self.statement, self.ends, self.details)))
+
 
 class MatrixRow(NamedTuple):
     """The cells of a model by group, and its time as a part of that of `time_against`."""

@@ -37,7 +37,7 @@ from markupsafe import Markup
 from matplotlib.ticker import MaxNLocator
 
 from workbench.report.chapters import answer, results
-from workbench.report.chapters.answer import GOOD, MatrixCell, matrix_rows, time_against
+from workbench.report.chapters.answer import GOOD, matrix_rows, time_against
 from workbench.report.chapters.choice import FAIR
 from workbench.report.drawing.frame import DIRECTIONS, frame_scenario_of
 from workbench.report.drawing.shapes import REST, YIELDING, magnification, rest_lines
@@ -93,11 +93,6 @@ def explorer(study: Study, stored: Assessment, largest: int = LARGEST) -> str | 
     shown = {
         **{"study": study, "title": title, "made": made, "matrix": matrix, "models": models},
         **{"heads": list(dict.fromkeys(group for row in matrix for group in row.cells))},
-        **{
-            "words": {
-                (row.label, head): _words(c) for row in matrix for head, c in row.cells.items()
-            }
-        },
         **{"left": len(study.cases) - len(cases), "counted": count(len(cases), "case")},
         **{"plane": plane, "moves": moves, "timed": time_against(stored), "roots": roots},
         **{"plots": _escaped(drawn), "bokeh": Markup(bokeh_script())},
@@ -217,10 +212,6 @@ def _structure(case: Case, answers: Sequence[_Answer]) -> dict[str, Any]:
         "times": magnification(largest, shapes[0].size) if shapes else 1.0,
         **hit,
     }
-
-
-def _words(cell: MatrixCell) -> str:
-    return "; ".join(filter(None, (cell.statement, cell.ends, cell.details)))
 
 
 def _models(study: Study) -> Rows:
