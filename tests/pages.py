@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
+
+import pandas as pd
 
 from workbench.report.page.markdown import Cell
 from workbench.report.page.reading import PageSection, Printer, Quote, Runs, read, walk
+from workbench.study.assessor import Assessment
 
 _BACK = {"code": "`{}`", "cite": "[@{}]", "see": "[#{}]"}
 
@@ -27,6 +32,17 @@ class View:
     rows: list[list[Cell]] = field(default_factory=list)
     folded: bool = False
     on_paper: bool = True
+
+
+def assessment(study: Any = None, **tables: Sequence[dict[str, Any]]) -> Assessment:
+    """An assessment that holds nothing but these rows."""
+    names = ("matrix", "ranking", "cost", "error-cells", "coverage", "chooser")
+    columns = ["group", "label", "against", "ratio"]
+    frames = {
+        name: pd.DataFrame(tables[name]) if tables.get(name) else pd.DataFrame(columns=columns)
+        for name in names
+    }
+    return Assessment(Path(), study, frames)
 
 
 def views(page: str | PageSection, kind: str = "") -> list[View]:

@@ -72,7 +72,7 @@ METRIC = '''
     low=0.0,
     spread=lambda s, d, own, other: 2.0 * abs(s / d - 1.0) * (own + s / d * other) / d,
 )
-def squared_error(pair: Pair) -> float:
+def squared_error(pair: ResponsePair) -> float:
     """Relative error squared."""
     return (pair.value / pair.reference - 1.0) ** 2
 '''
@@ -140,7 +140,6 @@ from pathlib import Path
 from workbench.cli import run
 from workbench.models.base import make_model
 from workbench.report.build import build_report
-from workbench.report.stored import Stored
 from workbench.scenarios import load_scenario
 from workbench.studs import fit_load_slip
 from workbench.studs.tables import shipped
@@ -158,7 +157,7 @@ study = Study(
 )
 run_study(study, Path("reports"), jobs=0)
 found = assess(study, Path("reports"))
-html = build_report(Stored(found.directory, study), formats=("html",))["html"].read_text("utf-8")
+html = build_report(found, formats=("html",))["html"].read_text("utf-8")
 HIT = "data/published/heng2017_impact_column.toml"
 framed = make_model("straight-hinge").simulate(replace(load_scenario(HIT), duration=0.005))
 slips = fit_load_slip(shipped("stud-load-slip"), "hyperbolic")

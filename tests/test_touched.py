@@ -86,7 +86,7 @@ def test_an_answer_on_the_command_line_loads_what_it_needs() -> None:
 
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    from workbench.report.stored import Stored
+    from workbench.study.assessor import read_assessment
 
     root = tmp_path_factory.mktemp("two-cells")
     models = {name: make_model(name) for name in ("four-dof", "single-dof")}
@@ -94,7 +94,7 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> Any:
     study = Study("two", "Two cells", "Which?", (case,), models, "four-dof", quantities=quantities)
     directory = run_study(study, root, jobs=0).directory
     assess(study, root)
-    return Stored(directory, study)
+    return read_assessment(directory, study)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -103,9 +103,10 @@ def test_a_figure_touches_few_functions(stored: Any, kind: str) -> None:
     from workbench.report.drawing.style import looks
     from workbench.report.figures import draw
     from workbench.report.gallery import to_svg
+    from workbench.study.assessor import read_assessment
 
     study = stored.study
-    fresh = type(stored)(stored.directory, study)
+    fresh = read_assessment(stored.directory, study)
 
     def picture() -> str:
         figure = Figure(kind, kind, kind, kind)

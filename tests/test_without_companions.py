@@ -32,7 +32,7 @@ ANSWERS = """
 import workbench as wb
 from pathlib import Path
 from workbench.report.build import build_report
-from workbench.report.stored import Stored
+from workbench.study.assessor import Assessment
 from workbench.study import Case, Study, assess, run_study
 
 assert "biggs" not in wb.model_names()
@@ -43,7 +43,7 @@ models = {name: wb.make_model(name) for name in ("four-dof", "single-dof")}
 study = Study("small", "Small", "How far?", (Case("hit", impact),), models, "four-dof")
 run_study(study, Path(), jobs=1)
 result = assess(study, Path())
-assert build_report(Stored(result.directory, study, result.responses), ["html"])["html"].is_file()
+assert build_report(result, ["html"])["html"].is_file()
 """
 VERBS = """
 from workbench.cli import run

@@ -173,7 +173,7 @@ def test_the_real_column_stands_beside_the_static_yield_stress(thesis_impact: Co
     assert real["velocity ±5 %"]["most"] == pytest.approx(0.1)
     assert static["velocity ±5 %"]["most"] == pytest.approx(0.1)
     assert real[MODEL_FORM]["most"] == pytest.approx(0.08 / 0.72)
-    runs[RATED].attrs["error"] = json.dumps({"expected": None, "reason": "not measured here"})
+    runs[RATED].attrs["error"] = json.dumps({"anchor": "four-dof", "reason": "not measured here"})
     rows = list(budget.rows(thesis_impact, answered(thesis_impact), runs))
     assert [row["form"] for row in rows if row["term"] == TOTAL] == [STATIC]
     graded = with_rate(thesis_impact, GRADES["S355"][1])
@@ -189,7 +189,7 @@ def test_without_a_part_there_is_no_total(thesis_impact: ColumnImpact, lost: str
     answer = answered(real)
     runs.pop(lost, None)
     if lost == MODEL_FORM:
-        answer.attrs["error"] = json.dumps({"expected": None, "reason": "not measured here"})
+        answer.attrs["error"] = json.dumps({"anchor": "four-dof", "reason": "not measured here"})
     names = {term.name: term for term in budget.terms(real, answer, runs)[PEAK]}
     assert TOTAL not in names
     assert (REFERENCE in names) == (lost != MODEL_FORM)

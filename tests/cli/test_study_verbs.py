@@ -15,8 +15,8 @@ from pathlib import Path
 import pytest
 
 from workbench.cli import run
-from workbench.report.stored import Stored
 from workbench.scenarios import ColumnImpact, to_toml
+from workbench.study.assessor import Assessment
 
 TOYS = Path(__file__).parents[1] / "toy_models.py"
 
@@ -340,7 +340,7 @@ def test_report_hands_the_store_to_the_builder(
 ) -> None:
     seen: list[object] = []
 
-    def build(stored: Stored, formats: object, out: object) -> dict[str, Path]:
+    def build(stored: Assessment, formats: object, out: object) -> dict[str, Path]:
         seen.extend((stored.directory, len(stored.read), formats, out))
         return {"html": stored.directory / "report.html"}
 

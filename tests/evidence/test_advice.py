@@ -16,13 +16,13 @@ from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.references.fiber_beams import FiberShear
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.responses import Finding, Response
+from workbench.responses.outcome import WARNED
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.steel.sections import find, names, rectangular_tube, square
 from workbench.study import load_study
 from workbench.study.error_model.error_model import (
     NONE,
     ORDER,
-    WARNED,
     advise,
     advised,
     anchor_error,

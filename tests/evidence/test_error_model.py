@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 from math import inf, isfinite, nan
 from pathlib import Path
 from types import SimpleNamespace
@@ -237,7 +237,7 @@ def test_no_answer_has_no_error(stored) -> None:
     refused = failed_response(Outcome.NOT_CONVERGED, "why")
     refused.attrs |= {"model": "plug-in", "options": "{}"}
     assert expected_error(hit, refused).reason == "the answer has no peak displacement"
-    assert json.dumps(expected_error(hit, refused).as_dict())
+    assert json.dumps(asdict(expected_error(hit, refused)))
 
 
 def test_the_doubt_about_the_reference_adds_in_quadrature() -> None:

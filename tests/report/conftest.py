@@ -10,22 +10,22 @@ from builders import made_once
 from synthetic_frames import frame_study
 from synthetic_study import shared_store_of, small_study, sweep_study
 
-from workbench.report.stored import Stored
 from workbench.study import Study
+from workbench.study.assessor import Assessment, read_assessment
 
 
 @pytest.fixture(scope="session")
-def small(tmp_path_factory) -> Stored:
+def small(tmp_path_factory) -> Assessment:
     return shared_store_of(small_study(), tmp_path_factory)
 
 
 @pytest.fixture(scope="session")
-def sweep(tmp_path_factory) -> Stored:
+def sweep(tmp_path_factory) -> Assessment:
     return shared_store_of(sweep_study(), tmp_path_factory)
 
 
 @pytest.fixture(scope="session")
-def frames(tmp_path_factory) -> Stored:
+def frames(tmp_path_factory) -> Assessment:
     return shared_store_of(frame_study(), tmp_path_factory)
 
 
@@ -43,7 +43,7 @@ def stills_report(frames, stills_study, tmp_path_factory) -> dict[str, Path]:
     out = made_once(
         tmp_path_factory,
         "stills",
-        lambda out: build_report(Stored(frames.directory, stills_study), out=out),
+        lambda out: build_report(read_assessment(frames.directory, stills_study), out=out),
     )
     return paths_of(out)
 

@@ -13,13 +13,12 @@ from builders import made_once
 from workbench.base.errors import SolverError
 from workbench.base.fields import Declared, Flag, Number, Text, checked
 from workbench.models.base import respond
-from workbench.report.stored import Stored
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Scenario, Striker
 from workbench.steel.sections import find
 from workbench.study import Case, Figure, Study, run_study
 from workbench.study.assessment import Gate
-from workbench.study.assessor import assess
+from workbench.study.assessor import Assessment, assess, read_assessment
 
 HINGES = ("base", "hit point", "head")
 
@@ -247,14 +246,14 @@ def _figure(key: str, kind: str, **options: object) -> Figure:
     return Figure(key, kind, title, f"What {kind} shows, after [@heng2017].", options=options)
 
 
-def store_of(study: Study, root: Path) -> Stored:
+def store_of(study: Study, root: Path) -> Assessment:
     """Run and assess a study in this process; return what a report reads."""
     directory = run_study(study, root, jobs=0).directory
     assess(study, root)
-    return Stored(directory, study)
+    return read_assessment(directory, study)
 
 
-def shared_store_of(study: Study, factory: pytest.TempPathFactory) -> Stored:
+def shared_store_of(study: Study, factory: pytest.TempPathFactory) -> Assessment:
     """The same, run by one of the processes that test."""
     root = made_once(factory, study.name, lambda directory: store_of(study, directory))
-    return Stored(root / study.name, study)
+    return read_assessment(root / study.name, study)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import pytest
 from builders import MOST_WORDS, portal, words_in_sight
-from pages import View, views
+from pages import View, assessment, views
 from synthetic_study import Synthetic, store_of, sweep_study
 from toy_models import Spring
 
@@ -28,15 +27,15 @@ from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
 from workbench.report.page.terminal import render_text
-from workbench.report.stored import CellState, Stored
 from workbench.responses import Finding
 from workbench.scenarios import FrameImpact, FrameStriker
 from workbench.study import Case
+from workbench.study.assessor import Assessment, CellState
 from workbench.study.definition import holds_data
 
 
 @pytest.fixture(scope="module")
-def stored(tmp_path_factory) -> Stored:
+def stored(tmp_path_factory) -> Assessment:
     """A sweep in two groups: models 1 and 30 % off, one of them outside its domain when hit low."""
     study = sweep_study()
     low, middle = (
@@ -57,7 +56,7 @@ def stored(tmp_path_factory) -> Stored:
 
 
 @pytest.fixture(scope="module")
-def ranked(stored: Stored, tmp_path_factory) -> Stored:
+def ranked(stored: Assessment, tmp_path_factory) -> Assessment:
     """The same cases against two references, both outside their domain where the hit is low."""
     models = {
         "close": Synthetic(gain=1.01, warns=False),
@@ -68,12 +67,12 @@ def ranked(stored: Stored, tmp_path_factory) -> Stored:
     return store_of(study, tmp_path_factory.mktemp("ranked"))
 
 
-def table_of(stored: Stored) -> View:
+def table_of(stored: Assessment) -> View:
     (table,) = views(matrix(stored.study, stored), "table")
     return table
 
 
-def test_a_cell_says_bias_cases_and_domain(stored: Stored) -> None:
+def test_a_cell_says_bias_cases_and_domain(stored: Assessment) -> None:
     table = table_of(stored)
     assert table.titles == ["model", "hit low", "hit at mid-height", "time / reference"]
     reference, close, off = table.rows
@@ -86,7 +85,7 @@ def test_a_cell_says_bias_cases_and_domain(stored: Stored) -> None:
     assert (off[1].tone, off[1].hatched, off[2].hatched) == ("bad", True, False)
 
 
-def test_models_that_may_be_relied_on_are_named_first(stored: Stored) -> None:
+def test_models_that_may_be_relied_on_are_named_first(stored: Assessment) -> None:
     first = views(matrix(stored.study, stored))[0]
     # no uncertainty of the reference is known: nobody knows whether 1 % is within 10 %
     groups = "hit low; hit at mid-height: "  # a sentence for both: the same is said of them
@@ -139,7 +138,7 @@ def test_every_form_of_frame_is_named_with_its_hits() -> None:
     assert hit_distance(replace(sweep_study(), groups={"x": ()}), "x") == ""
 
 
-def test_the_first_page_says_what_is_hit_and_whether_it_stands(stored: Stored) -> None:
+def test_the_first_page_says_what_is_hit_and_whether_it_stands(stored: Assessment) -> None:
     page = answer(stored.study, stored, [])
     text = " ".join(view.text for view in views(page, "paragraph"))
     assert "What is hit: HEB 160" in text
@@ -150,7 +149,7 @@ def test_the_first_page_says_what_is_hit_and_whether_it_stands(stored: Stored) -
     )
 
 
-def test_models_of_the_registry_are_named_as_the_study_calls_them(stored: Stored) -> None:
+def test_models_of_the_registry_are_named_as_the_study_calls_them(stored: Assessment) -> None:
     name = stored.study.models["close"].name
     label = next(iter(stored.study.models))
     finding = Finding("any", "a text", instead=(name, f"{name}-more"))
@@ -158,7 +157,7 @@ def test_models_of_the_registry_are_named_as_the_study_calls_them(stored: Stored
     assert in_labels(stored.study, Finding("any", "a text", remedy="wait")).remedy == "wait"
 
 
-def test_a_reference_outside_its_domain_can_neither_clear_nor_condemn(ranked: Stored) -> None:
+def test_a_reference_outside_its_domain_can_neither_clear_nor_condemn(ranked: Assessment) -> None:
     first = views(matrix(ranked.study, ranked))[0]
     low = "hit low: not known, as no reference is inside its domain; "
     assert first.items[0].startswith(f"{low}nearest is close (off by up to 50")
@@ -168,7 +167,7 @@ def test_a_reference_outside_its_domain_can_neither_clear_nor_condemn(ranked: St
     assert [close[1].tone, close[2].tone] == ["doubt", "bad"]
 
 
-def test_a_map_holds_every_case_against_the_reference_that_counts(ranked: Stored) -> None:
+def test_a_map_holds_every_case_against_the_reference_that_counts(ranked: Assessment) -> None:
     study = ranked.study
     chosen = Request(study, study.figures[0], ranked, study.cases, ("close",), looks(study))
     drawing = draw(chosen)
@@ -181,7 +180,7 @@ def test_a_map_holds_every_case_against_the_reference_that_counts(ranked: Stored
     assert written == {"\u221250", "+1"}  # in whole percent, in the fields
 
 
-def test_numbers_stand_with_what_is_known_of_them(small: Stored, ranked: Stored) -> None:
+def test_numbers_stand_with_what_is_known_of_them(small: Assessment, ranked: Assessment) -> None:
     case = small.study.cases[0].name
     width = small.number(case, "reference", "peak_displacement_uncertainty")
     assert width == pytest.approx(small.ladder(case, "peak_displacement")["uncertainty"])
@@ -199,7 +198,9 @@ def test_numbers_stand_with_what_is_known_of_them(small: Stored, ranked: Stored)
     assert "\u2009%" not in row[-1].text
 
 
-def test_the_top_of_a_report_counts_models_and_says_what_a_quick_form_lacks(small: Stored) -> None:
+def test_the_top_of_a_report_counts_models_and_says_what_a_quick_form_lacks(
+    small: Assessment,
+) -> None:
     models = {**small.study.models, "solid": Spring()}
     quick = replace(small.study, name="small-quick", whole=replace(small.study, models=models))
     form, counted, _ = document(quick, small, []).facts
@@ -214,7 +215,7 @@ def test_the_top_of_a_report_counts_models_and_says_what_a_quick_form_lacks(smal
     )
 
 
-def test_every_renderer_shows_the_same_cells(stored: Stored, tmp_path) -> None:
+def test_every_renderer_shows_the_same_cells(stored: Assessment, tmp_path) -> None:
     files = build_report(stored, out=tmp_path)
     html = files["html"].read_text(encoding="utf-8")
     page = summary(stored, tmp_path / "kept").read_text(encoding="utf-8")
@@ -230,17 +231,17 @@ def test_every_renderer_shows_the_same_cells(stored: Stored, tmp_path) -> None:
     assert html.index("<nav") < html.index('id="verdicts"')
 
 
-def test_the_decisive_figure_is_named_or_the_first_over_cases(stored: Stored, small) -> None:
+def test_the_decisive_figure_is_named_or_the_first_over_cases(stored: Assessment, small) -> None:
     assert decisive(stored.study) == "map"
     assert decisive(small.study) == "peaks"
     assert decisive(replace(small.study, decisive="shape")) == "shape"
 
 
-def test_an_error_that_is_measured_is_no_hatching(stored: Stored) -> None:
+def test_an_error_that_is_measured_is_no_hatching(stored: Assessment) -> None:
     """The error model warns of 30 %, and the study measures it: no matter of the domain."""
-    rows = [{**row, "outside": 0, "warned": row["answered"]} for row in stored.rows["matrix"]]
+    rows = [{**row, "outside": 0, "warned": row["answered"]} for row in stored.records("matrix")]
     rows = [row for row in rows if row["label"] == "off"]
-    warned = SimpleNamespace(rows={"matrix": rows, "cost": []})
+    warned = assessment(matrix=rows)
     cell = matrix_rows(warned)[0].cells["hit low"]
     assert (cell.tone, cell.hatched) == ("bad", False)
     assert "all warned of by the error model" in cell.details
@@ -250,7 +251,7 @@ def test_an_error_that_is_measured_is_no_hatching(stored: Stored) -> None:
     assert state.outside == (physics,)
 
 
-def test_the_first_page_begins_with_a_picture_and_is_short(stored: Stored, tmp_path) -> None:
+def test_the_first_page_begins_with_a_picture_and_is_short(stored: Assessment, tmp_path) -> None:
     html = build_report(stored, out=tmp_path)["html"].read_text(encoding="utf-8")
     page = html[html.index("<header") : html.index("<nav")]
     body = page[page.index("<h2") :]
@@ -258,7 +259,7 @@ def test_the_first_page_begins_with_a_picture_and_is_short(stored: Stored, tmp_p
     assert words_in_sight(html) <= MOST_WORDS
 
 
-def test_many_models_stay_one_click_away(stored: Stored, tmp_path) -> None:
+def test_many_models_stay_one_click_away(stored: Assessment, tmp_path) -> None:
     """Eight rows stand in sight, those to rely on first; paper and terminals have all."""
     models = {f"spare {i}": Synthetic(gain=0.7, warns=False) for i in range(8)}
     study = replace(stored.study, name="many", models={**models, **stored.study.models})

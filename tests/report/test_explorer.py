@@ -29,12 +29,12 @@ from workbench.models.references.refine import refined
 from workbench.report.chapters.answer import matrix_rows
 from workbench.report.explorer import LARGEST, bokeh_script, explorer
 from workbench.report.explorer.cells import packed
-from workbench.report.stored import Stored
 from workbench.responses import Finding, build_response
 from workbench.responses.uncertainty import uncertainty_of
 from workbench.scenarios import ColumnImpact, ColumnPushover, Striker
 from workbench.steel.sections import find
 from workbench.study import Case, Study
+from workbench.study.assessor import Assessment, read_assessment
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 
@@ -106,7 +106,7 @@ def a_study() -> Study:
 
 
 @pytest.fixture(scope="module")
-def stored(tmp_path_factory) -> Stored:
+def stored(tmp_path_factory) -> Assessment:
     return shared_store_of(a_study(), tmp_path_factory)
 
 
@@ -225,7 +225,7 @@ def test_equal_stores_give_equal_pages(stored, page):
 
 def test_a_study_without_motion_has_no_page(stored):
     study = replace(stored.study, cases=stored.study.cases[-1:], groups={})
-    assert explorer(study, Stored(stored.directory, study)) is None
+    assert explorer(study, read_assessment(stored.directory, study)) is None
 
 
 UNCERTAIN = """kind = "column-impact"

@@ -22,11 +22,11 @@ from workbench.report.figures import draw
 from workbench.report.gallery import to_svg
 from workbench.report.page.documents import Document, render_pdf
 from workbench.report.page.markdown import Picture, section
-from workbench.report.stored import Stored
 from workbench.scenarios import FrameStatic, Load, regular_frame, scenario_from
 from workbench.steel.sections import find
 from workbench.study import Case
 from workbench.study.assessment import Gate
+from workbench.study.assessor import read_assessment
 
 
 def test_loops_keep_all_their_reversals(frames):
@@ -162,7 +162,9 @@ def test_gates_that_differ_in_their_cases_keep_their_reasons(tmp_path):
         for case, why in (("storeys", "Hit from the side."), ("from above", "Hit from above."))
     )
     stored = store_of(replace(frame_study("sorted"), gates=gates, figures=()), tmp_path)
-    assert [(row["rationale"], row["asked"], row["case"]) for row in stored.rows["verdicts"]] == [
+    assert [
+        (row["rationale"], row["asked"], row["case"]) for row in stored.records("verdicts")
+    ] == [
         ("Hit from the side.", 1, "storeys"),
         ("Hit from above.", 1, "from above"),
     ]
@@ -227,7 +229,10 @@ def test_figures_share_pages_where_a_little_less_size_makes_them_fit():
 
 def test_the_whole_report_repeats(frames, stills_study, stills_report, tmp_path):
     """With one figure alone: still pictures repeat in other reports."""
-    one, two = stills_report, build_report(Stored(frames.directory, stills_study), out=tmp_path)
+    one, two = (
+        stills_report,
+        build_report(read_assessment(frames.directory, stills_study), out=tmp_path),
+    )
     for name in ("html", "pdf"):
         assert one[name].read_bytes() == two[name].read_bytes()
     html = one["html"].read_text(encoding="utf-8")

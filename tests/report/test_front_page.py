@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from workbench.report.build import summary
-from workbench.report.stored import Stored
+from workbench.study.assessor import read_assessment
 
 
 @pytest.fixture(scope="module")
@@ -20,11 +20,11 @@ def study(small):
 
 @pytest.fixture(scope="module")
 def page(small, study, tmp_path_factory):
-    return summary(Stored(small.directory, study), tmp_path_factory.mktemp("kept"))
+    return summary(read_assessment(small.directory, study), tmp_path_factory.mktemp("kept"))
 
 
 def test_it_repeats(page, small, study, tmp_path):
-    again = summary(Stored(small.directory, study), tmp_path)
+    again = summary(read_assessment(small.directory, study), tmp_path)
     assert again.read_bytes() == page.read_bytes()
     pictures = sorted(path.name for path in (page.parent / "figures").iterdir())
     assert pictures == sorted(path.name for path in (tmp_path / "figures").iterdir())

@@ -12,9 +12,9 @@ from workbench.base.errors import InputError
 from workbench.report.build import build_report
 from workbench.report.chapters.answer import in_brief, in_labels
 from workbench.report.page.terminal import render_text
-from workbench.report.stored import Stored
 from workbench.responses import Finding
 from workbench.study import Study
+from workbench.study.assessor import Assessment
 
 NAMES = ("NA", "null", "None", "nan", "N/A", r"$\x{$", r"a\b")
 
@@ -35,13 +35,13 @@ def renamed(study: Study) -> Study:
 
 
 def test_names_that_look_missing_or_like_formulas_are_read_back(
-    small: Stored, tmp_path: Path
+    small: Assessment, tmp_path: Path
 ) -> None:
     stored = store_of(renamed(small_study()), tmp_path)
     outcomes = [cell.outcome for cell in small.cells.values()]
     assert [cell.outcome for cell in stored.cells.values()] == outcomes
     assert outcomes.count("ok") > 20
-    assert {row["model"] for row in stored.rows["comparisons"]} == {*NAMES} - {
+    assert {row["model"] for row in stored.records("comparisons")} == {*NAMES} - {
         stored.study.reference
     }
     first = render_text(in_brief(stored.study, stored))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+from pages import assessment
+
 from workbench.models.single_dof import SingleDof
 from workbench.report.chapters import choice
 from workbench.report.drawing.sheet import Request
@@ -12,6 +14,7 @@ from workbench.report.figures import draw
 from workbench.report.page.reading import read
 from workbench.report.page.terminal import render_text
 from workbench.study import Figure
+from workbench.study.assessor import Assessment
 from workbench.study.chooser import CORRECTED, SURE
 
 FIRST = {
@@ -23,8 +26,8 @@ WORSE = {**FIRST, "label": "bars", "against": "panels", "pairs": 58, "wins": 50,
 EQUAL = {**WORSE, "label": "frames", "wins": 30, "chance": 0.45}
 
 
-def stored(*rows: dict) -> SimpleNamespace:
-    return SimpleNamespace(rows={"ranking": list(rows)}, costs={"panels": 0.01})
+def stored(*rows: dict) -> Assessment:
+    return assessment(ranking=rows)
 
 
 def test_it_says_what_to_take_what_to_expect_and_what_is_not_clearly_worse() -> None:
@@ -47,14 +50,15 @@ CELL = {
 WAY = {"chooses": 1, "count": 120, "within": 90, "reach": 0.14, "seconds": 0.1}
 
 
-def error_model(*cells: dict) -> SimpleNamespace:
+def error_model(*cells: dict) -> Assessment:
     ways = [WAY | {"way": "panels"}, WAY | {"way": CORRECTED, "within": 114, "reach": 0.08}]
     coverage = {"label": "bars", "count": 60, "held": 54, "width": 0.3, "answers": 62, "warned": 30}
     coverage |= {"right": 9, "silent": 1, "apart": 2, "unseen": 0}
-    rows = {"error-cells": list(cells), "coverage": [coverage]}
+    rows = {"error-cells": cells, "coverage": [coverage]}
     rows["chooser"] = [*ways, WAY | {"way": SURE, "within": 120}]
+    rows["cost"] = [{"label": "panels", "ratio": 0.01}]
     study = SimpleNamespace(models={"panels": SingleDof(resistance="panel", hit_mass="waves")})
-    return SimpleNamespace(rows=rows, study=study, costs={"panels": 0.01})
+    return assessment(study, **rows)
 
 
 def test_the_first_page_takes_the_anchor_and_says_when_not_and_why() -> None:
@@ -68,7 +72,7 @@ def test_the_first_page_takes_the_anchor_and_says_when_not_and_why() -> None:
     assert "Why: a light striker" in text
     assert "108 of 120" in text
     assert "When not" not in render_text(choice.anchored(error_model(sure)))
-    assert not choice.anchored(SimpleNamespace(rows={"error-cells": []}))
+    assert not choice.anchored(assessment())
 
 
 def test_ways_to_choose_are_drawn() -> None:
@@ -77,7 +81,7 @@ def test_ways_to_choose_are_drawn() -> None:
     drawing = draw(Request(stored.study, figure, stored, ("hit",), (), {"panels": Look("k")}))
     assert drawing.data["way"].tolist() == ["panels", CORRECTED, SURE]
     assert drawing.canvas is not None
-    stored.rows["chooser"] = []
+    stored.tables["chooser"] = stored.tables["chooser"][:0]
     empty = draw(Request(stored.study, figure, stored, ("hit",), (), {}))
     assert empty.statements == ("No drawn scenario has been judged.",)
 
@@ -87,7 +91,7 @@ def test_the_error_model_by_model_and_by_choice() -> None:
     text = " ".join(render_text(section).split())
     assert "90 of 120" in text
     assert SURE.split(",")[0] in text
-    assert not read(choice.error_model(SimpleNamespace(rows={"coverage": [], "chooser": []})))
+    assert not read(choice.error_model(assessment()))
 
 
 def test_the_table_counts_pairs() -> None:

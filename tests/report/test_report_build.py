@@ -16,8 +16,8 @@ from workbench.base.errors import InputError, WorkbenchError
 from workbench.report.build import build_report, document
 from workbench.report.explorer import explorer
 from workbench.report.page.documents import render_html
-from workbench.report.stored import Stored
 from workbench.study import assess
+from workbench.study.assessor import read_assessment
 
 
 class Page(HTMLParser):
@@ -67,10 +67,9 @@ def test_what_the_assessment_has_read_is_not_read_again(small, tmp_path):
     assessment = assess(small.study, tmp_path)
     for path in assessment.directory.glob("cells/*.nc"):
         path.unlink()
-    handed_on = Stored(assessment.directory, small.study, assessment.responses)
-    assert explorer(small.study, handed_on) == explorer(small.study, small)
+    assert explorer(small.study, assessment) == explorer(small.study, small)
     with pytest.raises(WorkbenchError, match="cannot be read"):
-        explorer(small.study, Stored(assessment.directory, small.study))
+        explorer(small.study, read_assessment(assessment.directory, small.study))
 
 
 @pytest.fixture(scope="module")
@@ -187,7 +186,7 @@ def test_all_cases_can_be_run_again_from_the_report(page, small):
 
 def test_a_study_that_was_not_assessed_is_refused(small, tmp_path):
     with pytest.raises(InputError, match="run it first"):
-        build_report(Stored(tmp_path, small.study), out=tmp_path / "out")
+        build_report(read_assessment(tmp_path, small.study), out=tmp_path / "out")
 
 
 def test_models_that_were_not_asked_are_told(small):
@@ -200,7 +199,7 @@ def test_models_that_were_not_asked_are_told(small):
     asked = {name for (label, _), names in wider.unsupported().items() for name in names
              if label == "frames only"}  # fmt: skip
     assert asked == {case.name for case in wider.cases if not case.models}
-    last = views(missing(wider, Stored(small.directory, wider)))[-1]
+    last = views(missing(wider, read_assessment(small.directory, wider)))[-1]
     assert any("frames only (model column-of-frame) does not answer" in t for t in last.items)
 
 
@@ -213,13 +212,13 @@ def test_cells_that_never_ran_are_told(small, tmp_path):
     peaks = tuple(figure for figure in small.study.figures if figure.kind == "peaks")
     models = {**small.study.models, "late": Synthetic(gain=2.0)}
     wider = replace(small.study, models=models, figures=peaks)
-    stored = Stored(small.directory, wider)
+    stored = read_assessment(small.directory, wider)
     assert stored.cells["push", "late"].outcome == "not run"
     tables = views(missing(wider, stored), "table")
     rows = [cell.text for table in tables for row in table.rows for cell in row]
     assert "late" in rows
     assert any("has not been run" in text for text in rows)
-    written = build_report(Stored(small.directory, wider), formats=("html",), out=tmp_path)
+    written = build_report(read_assessment(small.directory, wider), formats=("html",), out=tmp_path)
     assert "No answer from late" in written["html"].read_text(encoding="utf-8")
 
 

@@ -18,23 +18,23 @@ from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
 from workbench.report.gallery import cases_of, figures_of, to_svg
 from workbench.report.page.bibliography import bibliography
-from workbench.report.stored import Stored
 from workbench.scenarios import StudTests
 from workbench.studs.answers import StudMeasured, StudResidual
 from workbench.study import Case, Figure, Study, assess, load_study
 from workbench.study.assessment import Gate
+from workbench.study.assessor import Assessment
 
 STUDY = Path(__file__).resolve().parents[2] / "studies" / "studs.py"
 GRADE = "mechanical prediction, not validated by tests after pre-damage"
 
 
 @pytest.fixture(scope="module")
-def studs(tmp_path_factory) -> Stored:
+def studs(tmp_path_factory) -> Assessment:
     """The quick form of the study, run in this process."""
     return shared_store_of(load_study(str(STUDY)).study.quickened(), tmp_path_factory)
 
 
-def drawn(stored: Stored, key: str):
+def drawn(stored: Assessment, key: str):
     study = stored.study
     figure = next(figure for figure in figures_of(study) if figure.key == key)
     labels = figure.models or tuple(study.models)
@@ -131,13 +131,13 @@ def test_design_numbers_are_those_of_the_fits(studs):
 
 def test_gates_mean_something(studs):
     """An unsafe unseen test fails, what no test shows stays open, nothing passes by silence."""
-    rows = pd.DataFrame(studs.rows["gates"])
+    rows = pd.DataFrame(studs.records("gates"))
     by_model = rows.groupby("model")["verdict"].agg(set)
     assert "fail" in by_model["EN 1994 mean form, corrected"]
     assert "mechanical stud" not in by_model  # its strength is that of the mean form
     assert by_model["5/3 power"] == {"refused"}
     assert by_model["left after a pull-out, by uplift"] == {"refused"}
-    ends = pd.DataFrame(studs.rows["verdicts"]).groupby("model")["verdict"].agg(set)
+    ends = pd.DataFrame(studs.records("verdicts")).groupby("model")["verdict"].agg(set)
     assert ends["5/3 power"] == ends["left after a pull-out, by uplift"] == {"inconclusive"}
     bias = rows[(rows["model"] == "EN 1994 mean form") & rows["low"].notna()].iloc[0]
     assert bias["low"] == pytest.approx(0.339 - 1.0, abs=1e-3)  # 0.339 to 3.53 of the prediction

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pandas as pd
 import pytest
+from pages import assessment
 from toy_models import Spring
 
 from workbench.models.superelements import FlexibleSuperelement
@@ -13,6 +14,7 @@ from workbench.report.chapters.answer import decisive
 from workbench.report.chapters.choice import details, first, trusted
 from workbench.study import Figure
 from workbench.study.assessment.gates import PEAK, RESIDUAL
+from workbench.study.assessor import Assessment, CellState
 from workbench.study.chooser import MATRIX_COLUMNS, pooled
 
 MODELS = dict.fromkeys(("near", "far", "sure"), Spring()) | {"anchor": FlexibleSuperelement()}
@@ -28,10 +30,11 @@ def row(label: str, worst: float | None = None, within: float | None = None, **m
     return {**values, f"{PEAK}_count": 0 if worst is None else 2, **more}
 
 
-def stored_with(*rows: dict, **numbers: float) -> SimpleNamespace:
-    rows = {"matrix": rows, "ranking": []}
-    known = {("hit", "anchor", f"error_{name}"): value for name, value in numbers.items()}
-    return SimpleNamespace(rows=rows, costs={}, number=lambda *key: known.get(key))
+def stored_with(*rows: dict, **numbers: float) -> Assessment:
+    stored = assessment(STUDY, matrix=rows)
+    known = {f"error_{name}": value for name, value in numbers.items()}
+    stored.__dict__["cells"] = {("hit", "anchor"): CellState("hit", "anchor", numbers=known)}
+    return stored
 
 
 def wording(*rows: dict, **numbers: float) -> str:

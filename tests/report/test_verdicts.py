@@ -14,12 +14,12 @@ from workbench.cli.studies import gate_objects
 from workbench.report.build import summary
 from workbench.report.chapters.limits import collapses, missing
 from workbench.report.chapters.verdicts import verdicts
-from workbench.report.stored import Stored
 from workbench.study import Assessment, Gate, Study, assess, run_study
+from workbench.study.assessor import read_assessment
 
 
 @pytest.fixture
-def judged(toy_study: Study, tmp_path: Path) -> tuple[Stored, Assessment]:
+def judged(toy_study: Study, tmp_path: Path) -> tuple[Assessment, Assessment]:
     """Two gates that differ in their cases alone, and one whose last case collapses."""
     same = Gate("soft", "fine", "peak_displacement", "relative_error", 0.2, "why", "where")
     gates = (
@@ -31,15 +31,15 @@ def judged(toy_study: Study, tmp_path: Path) -> tuple[Stored, Assessment]:
     study = dataclasses.replace(toy_study, models=models, gates=gates, figures=(), quick_models=())
     run_study(study, tmp_path, jobs=0)
     assessment = assess(study, tmp_path)
-    return Stored(assessment.directory, study), assessment
+    return read_assessment(assessment.directory, study), assessment
 
 
 def test_gates_that_differ_only_in_their_cases_are_two_everywhere(judged, tmp_path) -> None:
     stored, result = judged
     objects = gate_objects(result)
     assert [gate["counts"]["asked"] for gate in objects] == [1, 2, 3]
-    assert [row["asked"] for row in stored.rows["verdicts"]] == [1, 2, 3]
-    assert [row["verdict"] for row in stored.rows["verdicts"]] == [
+    assert [row["asked"] for row in stored.records("verdicts")] == [1, 2, 3]
+    assert [row["verdict"] for row in stored.records("verdicts")] == [
         gate["verdict"] for gate in objects
     ]
     (table, *_) = views(verdicts(stored), "table")

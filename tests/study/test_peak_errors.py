@@ -12,7 +12,7 @@ from toy_models import Spring
 from workbench.responses import Outcome
 from workbench.scenarios import ColumnImpact
 from workbench.study import Case, Study
-from workbench.study.chooser import errors_of, ranking_rows
+from workbench.study.chooser import errors_of, ranking
 from workbench.study.tables import numbers, table, texts
 
 COUNT, BOUND = 60, 14.0  # columns; velocity from which the soft model is 30 % too large
@@ -89,7 +89,7 @@ def test_ranking_counts_pairs_and_leaves_small_groups(study) -> None:
     tables = tables_of(
         study, {("1", "good"): Outcome.COLLAPSE, ("2", "good"): Outcome.OUT_OF_DOMAIN}
     )
-    rows = list(ranking_rows(study, tables))
+    rows = ranking(study, tables).to_dict("records")
     assert {row["group"] for row in rows} == {"all"}
     first, second = rows
     assert (first["label"], first["within"], first["false_alarm"], first["refused"]) == (

@@ -19,11 +19,11 @@ from toy_models import Spring
 from workbench.base.errors import InputError
 from workbench.models.four_dof import FourDof
 from workbench.report.build import build_report
-from workbench.report.stored import Stored
 from workbench.responses import Outcome, Response, failed_response
 from workbench.responses.build import provenance
 from workbench.scenarios import ColumnImpact, Scenario
-from workbench.study import Case, State, Store, Study, assess, cells_of, run_study, survey
+from workbench.study import Case, CellProgress, Store, Study, assess, cells_of, run_study, survey
+from workbench.study.assessor import read_assessment
 from workbench.study.store import (
     canonical_json,
     read_netcdf,
@@ -44,10 +44,10 @@ def written(study: Study, root: Path) -> None:
     """All that `run` and `report` write into a store."""
     run_study(study, root, jobs=0)
     assess(study, root)
-    build_report(Stored(root / study.name, study), formats=("html",))
+    build_report(read_assessment(root / study.name, study), formats=("html",))
 
 
-def states(study: Study, root: Path) -> list[State]:
+def states(study: Study, root: Path) -> list[CellProgress]:
     return [entry.state for entry in survey(study, cells_of(study), Store(root / study.name))]
 
 
@@ -90,11 +90,11 @@ def test_exchanged_cells_are_answered_again(small: Study, tmp_path: Path, forged
                 digest = hashlib.sha256((store.cells / f"{key}.nc").read_bytes()).hexdigest()
                 record |= {"key": key, "sha256": digest}
                 write_atomically(store.cells / f"{key}.json", canonical_json(record))
-        assert states(small, tmp_path).count(State.TO_DO) == 2
+        assert states(small, tmp_path).count(CellProgress.TO_DO) == 2
         table = assess(small, tmp_path).tables["cells"]
         assert list(table["outcome"]).count("not run") == 2
         assert run_study(small, tmp_path, jobs=0).answered == 2
-        assert states(small, tmp_path).count(State.TO_DO) == 0
+        assert states(small, tmp_path).count(CellProgress.TO_DO) == 0
 
 
 def test_records_of_any_content_are_corrupt(small: Study, tmp_path: Path) -> None:
@@ -107,7 +107,7 @@ def test_records_of_any_content_are_corrupt(small: Study, tmp_path: Path) -> Non
     nonsense = ["[]", "7", "[" * 100_000, '{"outcome": "fine"}', "\xff"]
     for record in (*forged, *lacking, *nonsense):
         path.write_bytes(record.encode("latin-1"))
-        assert states(small, tmp_path).count(State.TO_DO) == 1, record[:20]
+        assert states(small, tmp_path).count(CellProgress.TO_DO) == 1, record[:20]
     assert run_study(small, tmp_path, jobs=0).answered == 1
 
 
@@ -151,7 +151,9 @@ def test_what_is_written_already_is_not_written_again(small: Study, tmp_path: Pa
     files = [path for path in (tmp_path / "toy").rglob("*") if path.is_file()]
     before = {path: path.stat().st_mtime_ns for path in files}
     assess(small, tmp_path)
-    build_report(Stored(tmp_path / "toy", small), formats=("html",), out=tmp_path / "elsewhere")
+    build_report(
+        read_assessment(tmp_path / "toy", small), formats=("html",), out=tmp_path / "elsewhere"
+    )
     assert {path: path.stat().st_mtime_ns for path in files} == before
 
 
@@ -160,7 +162,7 @@ def test_a_pipe_in_the_place_of_a_cell_does_not_hang(small: Study, tmp_path: Pat
     path = Store(tmp_path / "toy").cells / f"{cells_of(small)[0].key}.nc"
     path.unlink()
     os.mkfifo(path)
-    assert states(small, tmp_path).count(State.TO_DO) == 1
+    assert states(small, tmp_path).count(CellProgress.TO_DO) == 1
     assert run_study(small, tmp_path, jobs=0).answered == 1
     assert path.is_file()
 
@@ -346,12 +348,12 @@ def test_cells_that_are_signed_but_broken_are_answered_again(
         outcome = broken.attrs["outcome"]
         values = {**record, "outcome": outcome if isinstance(outcome, str) else "ok"}
         store.put(cell.key, to_netcdf_bytes(broken), values)
-        assert states(small, tmp_path).count(State.TO_DO) == 1
+        assert states(small, tmp_path).count(CellProgress.TO_DO) == 1
         assert assess(small, tmp_path).tables["cells"]["outcome"][0] == "not run"
     if kind in REPORTED:  # a report reads what `assess` has read: nothing of a broken cell
-        build_report(Stored(store.directory, small), formats=("html",))
+        build_report(read_assessment(store.directory, small), formats=("html",))
     assert run_study(small, tmp_path, jobs=0).answered == 1
-    assert states(small, tmp_path).count(State.TO_DO) == 0
+    assert states(small, tmp_path).count(CellProgress.TO_DO) == 0
 
 
 def test_a_model_that_says_what_no_one_can_read_has_crashed(small: Study, tmp_path: Path) -> None:

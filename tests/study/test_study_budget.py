@@ -16,15 +16,15 @@ from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
 from workbench.report.gallery import figures_of
 from workbench.report.page.terminal import render_text
-from workbench.report.stored import Stored
 from workbench.scenarios import ColumnImpact
 from workbench.study import Budget, Case, Store, Study, assess, cells_of, run_study
 from workbench.study.assessment.gates import TOTAL
 from workbench.study.assessment.variations import RATED, STATIC
+from workbench.study.assessor import Assessment, read_assessment
 
 
 @pytest.fixture(scope="module")
-def stored(thesis_impact: ColumnImpact, tmp_path_factory: pytest.TempPathFactory) -> Stored:
+def stored(thesis_impact: ColumnImpact, tmp_path_factory: pytest.TempPathFactory) -> Assessment:
     study = Study(
         name="budgeted",
         title="Budgeted",
@@ -37,10 +37,10 @@ def stored(thesis_impact: ColumnImpact, tmp_path_factory: pytest.TempPathFactory
     )
     root = tmp_path_factory.mktemp("budget")
     run_study(study, root, jobs=0)
-    return Stored(assess(study, root).directory, study)
+    return read_assessment(assess(study, root).directory, study)
 
 
-def test_varied_runs_are_stored_and_compared_with_nothing_else(stored: Stored) -> None:
+def test_varied_runs_are_stored_and_compared_with_nothing_else(stored: Assessment) -> None:
     cells = cells_of(stored.study)
     # 3 inputs both ways; the real column, its inputs, and both ends of D
     assert len(cells) == 2 * 2 + 2 * (6 + 1 + 6 + 2)
@@ -50,8 +50,8 @@ def test_varied_runs_are_stored_and_compared_with_nothing_else(stored: Stored) -
         assert "hit: velocity +5 %" not in set(table.get("case", ()))
 
 
-def test_the_terms_are_a_table(stored: Stored) -> None:
-    named = [row for row in stored.rows["budget"] if row["label"] == "soft"]
+def test_the_terms_are_a_table(stored: Assessment) -> None:
+    named = [row for row in stored.records("budget") if row["label"] == "soft"]
     assert list(dict.fromkeys(row["form"] for row in named)) == [RATED, STATIC]
     rows = [row for row in named if row["form"] == RATED]
     assert [row["term"] for row in rows][2] == "velocity ±5 %"
@@ -60,7 +60,7 @@ def test_the_terms_are_a_table(stored: Stored) -> None:
     assert "mass ±5 %" not in {row["term"] for row in rows}
 
 
-def test_the_report_shows_the_budget(stored: Stored) -> None:
+def test_the_report_shows_the_budget(stored: Assessment) -> None:
     (figure,) = (each for each in figures_of(stored.study) if each.kind == "budget")
     assert figure.options["case"] == "hit"
     study = stored.study
@@ -74,7 +74,7 @@ def test_the_report_shows_the_budget(stored: Stored) -> None:
     start = "With total uncertainty (90 %), hit, soft: with strain rate "
     assert words.startswith(start)
     assert "; at the static yield stress " in words
-    soft = [row for row in stored.rows["budget"] if row["label"] == "soft"]
+    soft = [row for row in stored.records("budget") if row["label"] == "soft"]
     terms = {row["term"] for row in soft if row["form"] == RATED}
     assert ("without an interval" in words) == (TOTAL not in terms)
     assert words.count("With total uncertainty") == 1  # one headline, that of the model to take
@@ -88,7 +88,7 @@ def test_the_report_shows_the_budget(stored: Stored) -> None:
     )
 
 
-def test_the_quick_form_keeps_the_budgets_of_its_models(stored: Stored) -> None:
+def test_the_quick_form_keeps_the_budgets_of_its_models(stored: Assessment) -> None:
     (kept,) = stored.study.quickened().budgets
     assert kept.models == ("stiff",)
     with pytest.raises(InputError, match="is not a case"):
@@ -98,7 +98,7 @@ def test_the_quick_form_keeps_the_budgets_of_its_models(stored: Stored) -> None:
 
 
 def test_answers_of_an_earlier_version_count_if_asked(
-    stored: Stored, monkeypatch: pytest.MonkeyPatch
+    stored: Assessment, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Spring, "version", 2)
     root = stored.directory.parent

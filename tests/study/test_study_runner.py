@@ -12,7 +12,7 @@ from toy_models import Spring, Troubled
 from workbench.base.errors import InputError
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import ColumnImpact
-from workbench.study import Case, State, Store, Study, cells_of, gather, run_study, survey
+from workbench.study import Case, CellProgress, Store, Study, cells_of, gather, run_study, survey
 from workbench.study.cells import task_of
 from workbench.study.runner import Workers
 
@@ -90,7 +90,7 @@ def test_only_a_pattern(toy_study: Study, tmp_path: Path) -> None:
     states = [
         entry.state for entry in survey(toy_study, cells_of(toy_study), Store(tmp_path / "toy"))
     ]
-    assert states.count(State.DONE) == 4
+    assert states.count(CellProgress.DONE) == 4
 
 
 def test_the_quick_form_has_its_own_store(toy_study: Study, tmp_path: Path) -> None:
@@ -199,7 +199,7 @@ def test_a_corrupt_cell_is_answered_again_and_said_so(
     (store.cells / f"{cells[2].key}.json").write_text("{")
     (store.cells / f"{cells[3].key}.json").unlink()  # killed between file and record
     statuses = survey(toy_study, cells, store)
-    assert [entry.state for entry in statuses].count(State.TO_DO) == 4
+    assert [entry.state for entry in statuses].count(CellProgress.TO_DO) == 4
     assert "corrupt" in statuses[0].reason
     summary = run_study(toy_study, tmp_path, jobs=0, progress=Progress(sys.stderr))
     assert summary.answered == 4
@@ -233,7 +233,7 @@ def test_an_interrupt_leaves_a_consistent_store(toy_study: Study, tmp_path: Path
     with pytest.raises(KeyboardInterrupt):
         run_study(toy_study, tmp_path, jobs=2, progress=Impatient())
     states = survey(toy_study, cells_of(toy_study), Store(tmp_path / "toy"))
-    assert sum(entry.state is State.DONE for entry in states) == 5
+    assert sum(entry.state is CellProgress.DONE for entry in states) == 5
     summary = run_study(toy_study, tmp_path, jobs=0)
     assert (summary.answered, summary.stored) == (7, 5)
     whole = run_study(toy_study, tmp_path / "whole", jobs=0)

@@ -5,7 +5,6 @@ The answer in one sentence, as an object for ``--json``, as a row of a table, as
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Mapping
 from functools import cached_property
@@ -23,11 +22,14 @@ from workbench.responses import (
     ENERGIES,
     SCALARS,
     VARIABLES,
+    ExpectedError,
     Finding,
     Outcome,
     Response,
+    attribute,
     collapse_of,
     energy_error,
+    error_of,
     findings_of,
     outcome_of,
     places_of,
@@ -38,7 +40,7 @@ from workbench.responses.histories import INTEGRATORS, STUD_TESTS, largest_of
 from workbench.scenarios import FrameImpact, Scenario
 from workbench.scenarios.files import scenario_from
 from workbench.scenarios.pulse import LIGHTEST
-from workbench.study.error_model.error_model import PEAK, UNMEASURED, ExpectedError
+from workbench.study.error_model.error_model import PEAK, UNMEASURED
 
 if TYPE_CHECKING:
     from workbench.api.plots import Plots
@@ -106,14 +108,6 @@ def _interval(peak: float, error: ExpectedError) -> str:
     return f"{middle}, 90 %: {least} to {most}"
 
 
-def error_of(response: Response) -> ExpectedError:
-    """The error to expect of an answer; one without advice on it has none."""
-    stored = response.attrs.get("error")
-    if stored is None:
-        return ExpectedError("", reason="ask `workbench.simulate`, which adds the error to expect")
-    return ExpectedError(**json.loads(stored))
-
-
 class Rows(pd.DataFrame):
     """A table of answers that prints all of its columns, in blocks where they are too many."""
 
@@ -161,10 +155,6 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     def last(name: str) -> float | None:
         return float(response[name].to_numpy().flat[-1]) if name in response else None
 
-    def attribute(name: str) -> dict[str, Any] | None:  # that not all models have
-        text = response.attrs.get(name)
-        return None if text is None else dict(json.loads(text))
-
     shear = None
     if "shear_utilisation" in response:
         series = response["shear_utilisation"].to_series()
@@ -176,15 +166,15 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         "headline": headline(response),
         "outcome": response.attrs["outcome"],
         "message": response.attrs["message"],
-        "collapse": attribute("collapse"),
+        "collapse": attribute(response, "collapse") or None,
         **{name: last(name) for name in structural},
         "places": places_of(response),
         **_parts(response, scenario),
         "rate_factor": response.attrs.get("rate_factor"),
         "notes": _notes(scenario, last("peak_force") is not None) + _longer(response, scenario),
-        "error": attribute("error"),
-        "numerical_uncertainty": attribute("numerical_uncertainty"),
-        "refinement": attribute("refinement"),
+        "error": attribute(response, "error") or None,
+        "numerical_uncertainty": attribute(response, "numerical_uncertainty") or None,
+        "refinement": attribute(response, "refinement") or None,
         "energies": {
             **{name: last(name) for name in ENERGIES},
             "input_energy": last("input_energy"),
@@ -195,16 +185,16 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         "refusals": [f.as_dict() for f in findings_of(response) if f.refusal],
         "wall_time": float(response.attrs["wall_time"]),
         "provenance": {
-            **json.loads(response.attrs["provenance"]),
+            **attribute(response, "provenance"),
             "model_version": int(response.attrs["model_version"]),
-            "options": json.loads(response.attrs["options"]),
+            "options": attribute(response, "options"),
             "scenario": response.attrs["scenario"],
             "scenario_hash": response.attrs["scenario_hash"],
         },
     }
     if scenario.KIND == "stud-tests":
         result |= {name: last(name) for name in STUD_TESTS}
-        result["answer"] = attribute("answer")
+        result["answer"] = attribute(response, "answer") or None
     if scenario.KIND == "impact-problem":
         result |= {name: last(name) for name in INTEGRATORS}
     if scenario.STATIC:

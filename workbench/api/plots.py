@@ -5,10 +5,8 @@ A figure draws a study of one case that is kept in memory.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -22,28 +20,12 @@ from workbench.report.drawing.sheet import Drawing, Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
 from workbench.report.gallery import save
-from workbench.report.stored import Stored
-from workbench.responses import Outcome, Response, findings_of, outcome_of
+from workbench.responses import Outcome, Response, attribute, outcome_of
 from workbench.scenarios import Scenario
 from workbench.study import Case, Figure, Study
-from workbench.study.assessor import numbers_of
+from workbench.study.assessor import assessment_of
 
 _CASE = "scenario"
-
-
-@dataclass(frozen=True)
-class AtHand(Stored):
-    """Answers in memory where a report reads stored ones."""
-
-    @cached_property
-    def rows(self) -> dict[str, list[dict[str, Any]]]:
-        """The rows that figures of answers read."""
-        cells, findings = [], []
-        for label, response in self.read.items():
-            head = {"case": self.study.cases[0].name, "label": label}
-            cells.append({**head, "key": label, **numbers_of(response, {})})
-            findings += [{**head, **each.as_dict()} for each in findings_of(response)]
-        return {"cells": cells, "findings": findings, "comparisons": [], "ladder": []}
 
 
 @dataclass(frozen=True)
@@ -123,8 +105,8 @@ class Plots:
         models: dict[str, Any] = {n: _model_of(r, what) for n, r in self.responses.items()}
         first = self.reference or next(iter(models))
         study = Study(_CASE, _CASE, _CASE, (case,), models, first, quantities=())
-        stored = AtHand(Path(), study, dict(self.responses))
-        drawing = draw(Request(study, figure, stored, (case,), tuple(models), looks(study)))
+        answers = assessment_of(study, self.responses)
+        drawing = draw(Request(study, figure, answers, (case,), tuple(models), looks(study)))
         if drawing.canvas is None:
             raise InputError("plot", kind, " ".join(drawing.statements))
         return drawing
@@ -132,7 +114,7 @@ class Plots:
 
 def _model_of(response: Response, kind: str) -> Any:
     """The model that answered; of one that is not installed, its name and what it answered."""
-    name, options = response.attrs["model"], json.loads(response.attrs["options"])
+    name, options = response.attrs["model"], attribute(response, "options")
     if name in model_names():
         return make_model(name, {n: value for n, value in options.items() if value is not None})
     return SimpleNamespace(name=name, answers=(kind,))

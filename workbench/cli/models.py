@@ -69,7 +69,7 @@ def advise(scenario: ScenarioFile, settings: Settings = None) -> Answer:
         "scenario": given.name,
         "model": choice.model,
         "reason": choice.reason,
-        "error": choice.error.as_dict(),
+        "error": dataclasses.asdict(choice.error),
         PEAK: best,
         "findings": {n: [f.as_dict() for f in each] for n, each in findings.items()},
     }
@@ -86,8 +86,7 @@ def _advice(
     if best is not None:
         text = f"Peak displacement of {choice.error.anchor}, corrected by the error to expect"
         yield paragraph(f"{text}: {in_unit(best, PEAK)}.")
-    refused = (finding for finding in findings[choice.model] if finding.refusal)
-    yield from warnings(finding.as_dict() for finding in refused)
+    yield from warnings(finding for finding in findings[choice.model] if finding.refusal)
     columns = {
         "model": lambda pair: pair[0],
         "refuses": lambda pair: _subjects(pair[1], lambda f: f.refusal),

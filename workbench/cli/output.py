@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from workbench.responses import Finding
+
 
 def option(text: str, default: Any = ..., metavar: str | None = None, flag: str = "") -> Any:
     """An option of a verb: what it does, its default, how its value and its flag are called.
@@ -173,11 +175,9 @@ def pairs_of(flag: str, texts: list[str] | None, like: str = "beta=1.3") -> dict
     return pairs
 
 
-def warnings(findings: Iterable[Mapping[str, Any]], source: str = "") -> Iterator[Block]:
-    """Findings, as JSON holds them, as callouts; `source`, whose they are."""
-    from workbench.responses import Finding
-
-    for finding in map(Finding.from_dict, findings):
+def warnings(findings: "Iterable[Finding]", source: str = "") -> Iterator[Block]:
+    """Findings as callouts; `source`, whose they are."""
+    for finding in findings:
         yield callout("doubt", f"warning{source} ({finding.subject}): {finding}")
 
 

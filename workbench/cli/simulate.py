@@ -193,23 +193,25 @@ def _table(compared: Comparison, objects: list[dict[str, Any]]) -> Iterator[Bloc
     """Several answers, as JSON holds them, as one table, their warnings below."""
     from workbench.api.accessor import TABLED, fate_of
     from workbench.report.page.formatting import quantities
-    from workbench.study.error_model.error_model import ExpectedError
+    from workbench.responses import error_of, findings_of
 
     columns = {
         "model": "model",
         "fate": lambda row: fate_of(compared[row["model"]]),
         **quantities(*TABLED),
-        "error of the peak": lambda row: str(ExpectedError(**row["error"])),
+        "error of the peak": lambda row: str(error_of(compared[row["model"]])),
         "wall time": lambda row: time_of(compared[row["model"]]),
     }
     yield Table.of("models", compared.scenario.name, columns, objects)
-    for each in objects:
-        yield from warnings((*each["refusals"], *each["warnings"]), f" of {each['model']}")
+    for label, response in compared.responses.items():
+        findings = sorted(findings_of(response), key=lambda finding: not finding.refusal)
+        yield from warnings(findings, f" of {label}")
 
 
 def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -> Iterator[Block]:
     from workbench.report.page.formatting import in_unit
-    from workbench.study.error_model.error_model import PEAK, ExpectedError
+    from workbench.responses import error_of, warnings_of
+    from workbench.study.error_model.error_model import PEAK
 
     yield paragraph(f"{name}: {answer['headline']}")
     if answer["message"]:
@@ -223,14 +225,14 @@ def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -
         known = "" if value is None else f", {in_unit(value, PEAK, width=width, kind=_KIND)}"
         rows.insert(1, (f"by {other['model']}, a reference", f"{other['outcome']}{known}"))
     yield definitions(tuple(rows if full else islice(rows, _ROWS)))
-    error = ExpectedError(**answer["error"])
+    error = error_of(response)
     if error.collapse is not None:
         yield paragraph(f"Error of the peak displacement: {error}.")
     elif answer[PEAK] is not None and error.high is None:
         yield paragraph(f"No interval of the peak displacement: {error.reason}.")
     for note in answer["notes"]:
         yield paragraph(f"Note: {note}.")
-    yield from warnings(answer["warnings"])
+    yield from warnings(warnings_of(response))
     if len(rows) > _ROWS and not full:
         yield paragraph(f"{len(rows) - _ROWS} more numbers with --full.")
 
@@ -369,6 +371,7 @@ def sweep(
         raise InputError("--over", [key for key, _ in pairs], "must name each key once")
     given = load_scenario(scenario, settings or [])
     from workbench.api.sweeps import sweep as swept
+    from workbench.study.tables import rows_of
 
     with at_work("the sweep at work"):
         how = Reading(sheet, sep, decimal)
@@ -383,13 +386,13 @@ def sweep(
         from workbench.report.gallery import save
 
         save(sweep_chart(answers, picture.name), picture)
-    rows = table.astype(object).where(table.notna(), None).to_dict("records")
+    rows = rows_of(table)
     outcomes = table["outcome"].value_counts()
     keys = [str(key) for key in (values if rows_of_cases is None else rows_of_cases)]
     content: dict[str, Any] = {"scenario": given.name, "over": keys, "answers": rows}
     content["notes"] = list(notes)
     answered = int(outcomes.get("ok", 0)) + int(outcomes.get("collapse", 0)) == len(rows)
-    shown = [*map(paragraph, notes), *_answers(given.name, keys, table, rows)]
+    shown = [*map(paragraph, notes), *_answers(given.name, keys, table)]
     return Answer(content, shown, int(not answered), {"table": target, "picture": picture})
 
 
@@ -436,17 +439,17 @@ def _values(text: str) -> tuple[str, list[Any]]:
     return key.strip(), [round(low + step * k, 12) for k in range(number + 1)]
 
 
-def _answers(name: str, keys: list[str], table: pd.DataFrame, rows: list[Any]) -> Iterator[Block]:
+def _answers(name: str, keys: list[str], table: pd.DataFrame) -> Iterator[Block]:
     from workbench.report.page.formatting import quantities
 
     outcomes = ", ".join(f"{n} {each}" for each, n in table["outcome"].value_counts().items())
-    yield paragraph(f"{name}: {len(rows)} answers, {outcomes}.")
+    yield paragraph(f"{name}: {len(table)} answers, {outcomes}.")
     answered = (q for q in ("peak_displacement", "residual_displacement") if q in table)
     named = {name: name for name in ("model", *keys)}
     columns = {**named, **quantities(*answered), "outcome": "outcome"}
-    yield Table.of("sweep", "", columns, rows[:_SHOWN])
-    if len(rows) > _SHOWN:
-        yield paragraph(f"{len(rows) - _SHOWN} more rows stand in --out and --json.")
+    yield Table.of("sweep", "", columns, table[:_SHOWN])
+    if len(table) > _SHOWN:
+        yield paragraph(f"{len(table) - _SHOWN} more rows stand in --out and --json.")
 
 
 @verb
@@ -581,9 +584,9 @@ def _value(value: float | None, unit: str) -> Cell | None:
 
 
 def _how(trial: SurvivalTrial) -> str:
-    collapse: dict[str, Any] | None = trial.collapse
+    collapse = trial.collapse
     if collapse is None:
         return "" if trial.survives else f"{trial.outcome}: {trial.message}"
-    at = "" if collapse["time"] is None else f" after {collapse['time']:.3g} s"
-    where = ", ".join(collapse["parts"])
-    return f"{collapse['mechanism']} ({where}) at {collapse['displacement']:.3g} m{at}"
+    at = "" if collapse.time is None else f" after {collapse.time:.3g} s"
+    where = ", ".join(collapse.parts)
+    return f"{collapse.mechanism} ({where}) at {collapse.displacement:.3g} m{at}"

@@ -48,7 +48,7 @@ def run(
     an answer); a gate that fails makes the status of `workbench validate`.
     """
     from workbench.report.figures import check_kind
-    from workbench.study import State, assess, load_study, run_study
+    from workbench.study import CellProgress, assess, load_study, run_study
     from workbench.study.runner import Progress, progress_for
 
     loaded = load_study(study)
@@ -70,7 +70,7 @@ def run(
         )
     except KeyboardInterrupt:
         directory, entries = _surveyed(_chosen(study, quick), store)
-        stored = sum(entry.state is not State.TO_DO for entry in entries)
+        stored = sum(entry.state is not CellProgress.TO_DO for entry in entries)
         many = f"interrupted: {stored} of {len(entries)} cells are stored in {directory}"
         raise InterruptedByUserError(f"{many}; run again to go on") from None
     result = assess(summary.study, Path(store))
@@ -89,10 +89,9 @@ def run(
 def _ran(summary: RunSummary, result: Assessment, again: str) -> Iterator[Block]:
     from workbench.responses import Outcome
     from workbench.study.store import NOT_RUN
-    from workbench.study.tables import rows_of
 
     yield _answer(summary.study, result)
-    for row in rows_of(result.tables["cells"]):
+    for row in result.records("cells"):
         if row["outcome"] != NOT_RUN and Outcome(row["outcome"]).is_failure:
             yield paragraph(f"{row['case']}/{row['label']}: {row['outcome']}: {row['message']}")
     counts = ", ".join(f"{n} {outcome}" for outcome, n in sorted(summary.outcomes.items()))
@@ -112,7 +111,7 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
     from collections import Counter
 
     from workbench.report.page.formatting import several
-    from workbench.study import State
+    from workbench.study import CellProgress
 
     chosen = _chosen(study, quick)
     directory, entries = _surveyed(chosen, store)
@@ -120,7 +119,7 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
     content = {
         "study": chosen.name,
         "store": str(directory),
-        "counts": {state.value: counts[state] for state in State},
+        "counts": {state.value: counts[state] for state in CellProgress},
         "cells": [
             {
                 "case": entry.cell.case,
@@ -135,12 +134,12 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
     }
     waiting: dict[tuple[str, str], list[str]] = {}
     for entry in entries:
-        if entry.state is not State.DONE:
-            failed = entry.state is State.FAILED
+        if entry.state is not CellProgress.DONE:
+            failed = entry.state is CellProgress.FAILED
             state = (entry.outcome, "") if failed else ("to do", f", {entry.reason}")
             waiting.setdefault(state, []).append(entry.cell.name)
     items = tuple(f"{a} ({len(names)}){b}: {several(names)}" for (a, b), names in waiting.items())
-    line = f"{chosen.name}: " + ", ".join(f"{counts[state]} {state}" for state in State)
+    line = f"{chosen.name}: " + ", ".join(f"{counts[state]} {state}" for state in CellProgress)
     return Answer(content, (paragraph(line), bullets(items)))
 
 
@@ -169,26 +168,24 @@ def report(
     from workbench.report.build import build_report
     from workbench.report.build import summary as write_summary
     from workbench.report.chapters.answer import in_brief
-    from workbench.report.stored import Stored
     from workbench.study import assess
 
     chosen = _chosen(study, quick)
     result = assess(chosen, Path(store))
-    stored = Stored(result.directory, chosen, result.responses)
-    files = build_report(stored, formats=wanted, out=None if out is None else Path(out))
+    files = build_report(result, formats=wanted, out=None if out is None else Path(out))
     if archive is not None:
         form = f"{study} --quick" if quick else study
         commands = f"workbench run {form}", f"workbench report {form} --crate {archive.name}"
-        companion("exports", "crate")(stored, files["figures"].parent, archive, commands)
+        companion("exports", "crate")(result, files["figures"].parent, archive, commands)
         files["crate"] = archive
     if summary is not None:
-        files["summary"] = write_summary(stored, Path(summary))
+        files["summary"] = write_summary(result, Path(summary))
     content: dict[str, Any] = {
         "study": chosen.name,
         "files": {name: str(path) for name, path in files.items()},
         "gates": gate_objects(result),
     }
-    shown = [in_brief(chosen, stored), definitions(content["files"].items())]
+    shown = [in_brief(chosen, result), definitions(content["files"].items())]
     if "html" in files and "explorer" not in files:
         shown.append(paragraph("No explorer: no answer of this study is a history or a curve."))
     return Answer(content, tuple(shown))
@@ -205,32 +202,24 @@ def validate(study: StudyName, quick: Quick = False, store: StoreRoot = "reports
     chosen = _chosen(study, quick)
     result = assess(chosen, Path(store))
     content = {"study": chosen.name, "failed": result.failed, "gates": gate_objects(result)}
-    reasons = tuple(
-        f"{case.verdict}: {verdict.gate.name}, case {case.case}: {case.note}"
-        for verdict in result.verdicts
-        for case in verdict.cases
-        if case.verdict != "pass"
-    )
+    cases = result.tables["gates"].query("verdict != 'pass'").itertuples()
+    reasons = tuple(f"{each.verdict}: {each.gate}, case {each.case}: {each.note}" for each in cases)
     return Answer(content, (_answer(chosen, result), bullets(reasons)), int(result.failed))
 
 
 def gate_objects(result: Assessment) -> list[dict[str, Any]]:
     """The verdicts of the gates, as the table of verdicts has them."""
-    from workbench.study.tables import rows_of
-
-    rows = rows_of(result.tables["verdicts"])
     return [
         {**{name: row[name] for name in _SHOWN}, "counts": verdict.counts}
-        for row, verdict in zip(rows, result.verdicts, strict=True)
+        for row, verdict in zip(result.records("verdicts"), result.verdicts, strict=True)
     ]
 
 
 def _answer(study: Study, result: Assessment) -> Block:
     """The matrix and the verdicts as the report has them."""
     from workbench.report.chapters.answer import in_brief
-    from workbench.report.stored import Stored
 
-    return in_brief(study, Stored(result.directory, study))
+    return in_brief(study, result)
 
 
 def _chosen(name: str, quick: bool) -> Study:

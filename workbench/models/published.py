@@ -1,7 +1,6 @@
 """Published numbers as a model: they answer exactly the scenario they were published for."""
 
 import hashlib
-import json
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, ClassVar
@@ -13,7 +12,7 @@ from workbench.base.datafiles import data_directory
 from workbench.base.errors import InputError, OutOfDomainError
 from workbench.base.fields import Text, checked
 from workbench.models.base import Answering
-from workbench.responses import SCALARS, Finding, Response, build_response, finding
+from workbench.responses import SCALARS, Finding, Response, build_response, finding, set_attributes
 from workbench.scenarios import ColumnImpact, FrameImpact, Scenario, load_scenario
 
 
@@ -91,7 +90,7 @@ class Published(Answering):
                 target = widths if "_uncertainty_" in column else values
                 target[quantity] = float(row[column])
         response = build_response(values)
-        response.attrs["data_uncertainty"] = json.dumps(widths, sort_keys=True)
+        set_attributes(response, data_uncertainty=widths)
         return response
 
 

@@ -24,7 +24,7 @@ from workbench.report.page.documents import Document, render_html, render_markdo
 from workbench.report.page.formatting import count
 from workbench.report.page.markdown import Picture, bullets, callout, literal, paragraph, section
 from workbench.report.page.reading import callouts
-from workbench.report.stored import Stored
+from workbench.study.assessor import Assessment
 from workbench.study.definition import Study, holds_data
 from workbench.study.store import own_directory, write_atomically
 from workbench.study.tables import table_bytes, workbook_bytes
@@ -38,7 +38,7 @@ _EXPLORE = "Explore answers"
 
 
 def build_report(
-    stored: Stored, formats: Sequence[str] = ("html", "pdf"), out: Path | None = None
+    stored: Assessment, formats: Sequence[str] = ("html", "pdf"), out: Path | None = None
 ) -> dict[str, Path]:
     """Write the report of a stored and assessed study; nothing is simulated or assessed.
 
@@ -87,7 +87,7 @@ def build_report(
     return written
 
 
-def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]]) -> Document:
+def document(study: Study, stored: Assessment, drawn: Sequence[tuple[str, Picture]]) -> Document:
     """The page of a study, from stored results and drawn figures with their kinds."""
     apart = {kind: [picture for of, picture in drawn if of == kind] for kind in _ELSEWHERE}
     first = answer.decisive(study, {p.key for _, p in drawn if p.svg})
@@ -133,7 +133,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
     return whole.marked(results.MARK) if stored.synthetic else whole
 
 
-def summary(stored: Stored, target: Path) -> Path:
+def summary(stored: Assessment, target: Path) -> Path:
     """Write ``README.md`` and ``figures/<study>-<key>.png`` under `target`; return the page.
 
     Figures with the option ``summary = True`` appear (without any: the first eight that do not

@@ -18,7 +18,7 @@ from workbench.report.drawing.sheet import Drawing, Request
 from workbench.report.drawing.style import house_style, looks
 from workbench.report.figures import draw
 from workbench.report.page.markdown import Picture
-from workbench.report.stored import Stored
+from workbench.study.assessor import Assessment
 from workbench.study.definition import Case, Figure, Study
 from workbench.study.store import write_atomically
 from workbench.study.tables import for_spreadsheets
@@ -153,7 +153,7 @@ def _budgets(study: Study) -> Iterator[Figure]:
         yield Figure(f"budget-{number}", "budget", title, _BUDGET, budget.models, options)
 
 
-def draw_all(study: Study, stored: Stored) -> tuple[Plate, ...]:
+def draw_all(study: Study, stored: Assessment) -> tuple[Plate, ...]:
     """Draw every figure of a study. Raises `InputError` for a figure that cannot be."""
     appearance = looks(study)
     plates = []

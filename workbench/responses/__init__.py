@@ -1,11 +1,13 @@
 """Response of a model: the dataset, its outcome and its provenance."""
 
 from workbench.responses.build import Response as Response
+from workbench.responses.build import attribute as attribute
 from workbench.responses.build import build_response as build_response
 from workbench.responses.build import check_response as check_response
 from workbench.responses.build import collapse_of as collapse_of
 from workbench.responses.build import collapsed_response as collapsed_response
 from workbench.responses.build import energy_error as energy_error
+from workbench.responses.build import error_of as error_of
 from workbench.responses.build import failed_response as failed_response
 from workbench.responses.build import failure_message as failure_message
 from workbench.responses.build import findings_of as findings_of
@@ -17,6 +19,7 @@ from workbench.responses.build import refusal_message as refusal_message
 from workbench.responses.build import refused_response as refused_response
 from workbench.responses.build import response_of as response_of
 from workbench.responses.build import scalars_of as scalars_of
+from workbench.responses.build import set_attributes as set_attributes
 from workbench.responses.build import set_findings as set_findings
 from workbench.responses.build import survives as survives
 from workbench.responses.build import warnings_of as warnings_of
@@ -26,6 +29,7 @@ from workbench.responses.histories import VARIABLES as VARIABLES
 from workbench.responses.histories import open_share as open_share
 from workbench.responses.histories import peak_contact_force as peak_contact_force
 from workbench.responses.histories import peak_of as peak_of
+from workbench.responses.outcome import ExpectedError as ExpectedError
 from workbench.responses.outcome import Finding as Finding
 from workbench.responses.outcome import Outcome as Outcome
 from workbench.responses.outcome import finding as finding

@@ -33,7 +33,7 @@ from workbench.responses.histories import (
     implied,
     open_share,
 )
-from workbench.responses.outcome import SYNTHETIC, Finding, Outcome
+from workbench.responses.outcome import SYNTHETIC, ExpectedError, Finding, Outcome
 
 Response = xr.Dataset
 _ATTRIBUTES = {name: one.attributes for name, one in COORDINATES.items()}
@@ -55,6 +55,7 @@ _RULES: dict[Any, Any] = {  # by variable: what it may stand over, its unit, the
     )
     for name, (_, attributes) in _KNOWN["time"].items()
 }
+UNADVISED = "ask `workbench.simulate`, which adds the error to expect"
 _LARGE = 1000  # numbers of an array that is looked at by itself
 _LARGEST = 1e60  # in any unit: what is beyond is as good as infinite, its square still a number
 
@@ -221,8 +222,32 @@ def refusal_message(findings: Sequence[Finding]) -> str:
 def collapsed_response(error: CollapseError) -> Response:
     """The answer that the structure collapses."""
     response = failed_response(Outcome.COLLAPSE, str(error), error.findings)
-    response.attrs["collapse"] = json.dumps(error.collapse._asdict())
+    set_attributes(response, collapse=error.collapse._asdict())
     return response
+
+
+def set_attributes(response: Response, **tables: Mapping[str, Any]) -> None:
+    """Let a response carry tables of names and values, as JSON, so that any netCDF holds them."""
+    for name, table in tables.items():
+        response.attrs[name] = json.dumps(table, sort_keys=True)
+
+
+def attribute(response: Response, name: str) -> dict[str, Any]:
+    """Table of `set_attributes` that a response carries, to be read only; empty without one."""
+    text = response.attrs.get(name)
+    return {} if text is None else _parsed(text)
+
+
+@lru_cache(maxsize=1024)
+def _parsed(text: str) -> Any:
+    """Value of a text in JSON: many responses carry the same one."""
+    return json.loads(text)
+
+
+def error_of(response: Response) -> ExpectedError:
+    """The error to expect of an answer; one without advice on it has none."""
+    stored = attribute(response, "error")
+    return ExpectedError(**stored) if stored else ExpectedError("", reason=UNADVISED)
 
 
 def outcome_of(response: Response) -> Outcome:
@@ -234,7 +259,7 @@ def collapse_of(response: Response) -> Collapse | None:
     """How the structure collapsed; None if it did not."""
     if outcome_of(response) is not Outcome.COLLAPSE:
         return None
-    collapse = json.loads(response.attrs["collapse"])
+    collapse = attribute(response, "collapse")
     mechanism, parts = Mechanism(collapse["mechanism"]), tuple(collapse["parts"])
     return Collapse(mechanism, parts, collapse["displacement"], collapse["time"])
 
@@ -259,7 +284,7 @@ def findings_of(response: Response) -> list[Finding]:
 @lru_cache(maxsize=1024)
 def _findings(stored: str) -> tuple[Finding, ...]:
     """Findings in JSON, parsed: many responses carry the same ones."""
-    return tuple(map(Finding.from_dict, json.loads(stored)))
+    return tuple(map(Finding.from_dict, _parsed(stored)))
 
 
 def is_synthetic(response: Response) -> bool:

@@ -12,6 +12,7 @@ from typing import Any
 
 WARNING, REFUSAL = "warning", "refusal"  # severities of a finding
 SYNTHETIC = "synthetic"  # subject of what is said of made numbers, which validate nothing
+WARNED = 0.10  # chance of an error of more than 10 % from which an answer is warned of
 ERROR = "error"  # subject of a warning of the error model
 COLUMNS = ("subject", "severity", "sentence", "remedy", "number", "limit", "instead")
 
@@ -122,6 +123,46 @@ class Finding:
         subject, severity, text, remedy, number, limit, instead = (stored[n] for n in COLUMNS)
         instead = None if instead is None else tuple(instead)
         return cls(subject, text, severity == REFUSAL, remedy, number, instead, limit)
+
+
+@dataclass(frozen=True, slots=True)
+class ExpectedError:
+    """The error of an answer, answer over truth less one, as far as it is known.
+
+    Arguments: `anchor`, its name; `expected` error with the ends `low` and `high` of an interval of
+    90 %; `chance` of an error beyond 10 %, or that the structure does what the answer denies;
+    `collapse`, chance that it collapses; `near_collapse`, whether the anchor nearly does; `cell`
+    in which this was measured on `count` scenarios; `reason`, why there is no interval (empty:
+    there is one); `residual`, ends (m) of 90 % for the true residual displacement, if known.
+    Near a collapse `high` alone is known: how far the truth may go was not measured there.
+    """
+
+    anchor: str
+    expected: float | None = None
+    low: float | None = None
+    high: float | None = None
+    chance: float | None = None
+    collapse: float | None = None
+    near_collapse: bool = False
+    cell: str = ""
+    count: int = 0
+    reason: str = ""
+    residual: tuple[float, float] | None = None
+
+    @property
+    def warns(self) -> bool:
+        """Whether the answer is rather likely to be in error."""
+        return self.chance is not None and self.chance > WARNED
+
+    def __str__(self) -> str:
+        if self.high is not None and self.low is None:
+            return f"at most {round(100.0 * self.high):+d} %; of the displacement {self.reason}"
+        if self.expected is None or self.low is None or self.high is None:
+            chance = 100.0 * (self.collapse or 0.0)
+            more = "" if self.collapse is None else f", chance of collapse {chance:.0f} %"
+            return f"{self.reason}{more}"
+        middle, *ends = (round(100.0 * share) for share in (self.expected, self.low, self.high))
+        return f"expect {middle:+d} %, 90 %: {ends[0]:+d} to {ends[1]:+d} %"
 
 
 def finding(

@@ -6,7 +6,6 @@ a scalar or a metric of a history, gets its half-width from the same rule over t
 `check_stored` says whether a stored response is what its readers take it for.
 """
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
@@ -16,8 +15,13 @@ import numpy as np
 
 from workbench.base.arrays import Array
 from workbench.base.errors import WorkbenchError
-from workbench.responses import uncertainty as numerical
-from workbench.responses.build import Response, check_response, collapse_of, findings_of
+from workbench.responses.build import (
+    Response,
+    attribute,
+    check_response,
+    collapse_of,
+    findings_of,
+)
 from workbench.responses.convergence import SAFE, Ladder, ladder
 from workbench.responses.histories import COORDINATES, VARIABLES
 
@@ -25,13 +29,16 @@ FINEST = "h"  # the run that is the answer
 FIBERS, STEPS = "fibers", "steps"
 SPACE, SPACE_AND_STEPS = "space", "space and steps"
 CURVES = {"displacement": "run_displacement", "force": "run_force"}
-WIDTHS, BASIS = "numerical_uncertainty", "refinement"  # attributes of a response
+# attributes of a response: half-widths by quantity of a computed number, of data, of samples
+WIDTHS, DATA_WIDTHS = "numerical_uncertainty", "data_uncertainty"
+SAMPLE_WIDTHS = "sampling_uncertainty"
+BASIS = "refinement"  # attribute: runs behind the numerical uncertainty, and what they said
 SAMPLED = "sampling_interval"  # attribute: ends of intervals over tests by quantity
 
 
 def sampled_interval(response: Response, quantity: str) -> tuple[float, float] | None:
     """The interval of a scalar over the tests behind it, which may be skewed; None without one."""
-    ends = json.loads(response.attrs.get(SAMPLED, "{}")).get(quantity)
+    ends = attribute(response, SAMPLED).get(quantity)
     return None if ends is None else (ends[0], ends[1])
 
 
@@ -156,13 +163,16 @@ def variants(response: Response) -> Iterator[tuple[str, Response]]:
 
 def directions_of(response: Response) -> tuple[Direction, ...]:
     """The directions of the runs that stand behind a response (empty: one mesh only)."""
-    directions = json.loads(response.attrs.get(BASIS, "{}")).get("directions", ())
+    directions = attribute(response, BASIS).get("directions", ())
     return tuple(Direction(d["name"], tuple(d["runs"]), d["factor"]) for d in directions)
 
 
-def uncertainty_of(response: Response, quantity: str) -> float | None:
-    """Half-width of a scalar of a response, None if it is unknown or was never asked for."""
-    width = json.loads(response.attrs.get(WIDTHS, "{}")).get(quantity)
+def uncertainty_of(response: Response, quantity: str, kind: str = WIDTHS) -> float | None:
+    """Half-width of a scalar of a response, None if it is unknown or was never asked for.
+
+    `kind`, the attribute that holds it: numerical by default, of data or of samples.
+    """
+    width = attribute(response, kind).get(quantity)
     return None if width is None else float(width)
 
 
@@ -174,8 +184,8 @@ def _abscissa(response: Response) -> Array:
     return np.concatenate([[0.0], travelled])
 
 
-_WIDTHS = (numerical.WIDTHS, "data_uncertainty", "sampling_uncertainty")
-_TABLES = (*_WIDTHS, numerical.SAMPLED, numerical.BASIS, "data", "answer")
+_WIDTHS = (WIDTHS, DATA_WIDTHS, SAMPLE_WIDTHS)
+_TABLES = (*_WIDTHS, SAMPLED, BASIS, "data", "answer")
 _LADDER = ("order", "extrapolated", "uncertainty")
 
 
@@ -196,16 +206,16 @@ def check_stored(response: Response) -> None:
     if collapse is not None:
         texts += collapse.parts
         numbers += (collapse.displacement, collapse.time)
-    tables = {name: json.loads(attributes[name]) for name in _TABLES if name in attributes}
+    tables = {name: attribute(response, name) for name in _TABLES if name in attributes}
     for name in _WIDTHS:
         numbers += tables.get(name, {}).values()
-    for low, high in tables.get(numerical.SAMPLED, {}).values():
+    for low, high in tables.get(SAMPLED, {}).values():
         numbers += (low, high)
-    if numerical.BASIS in tables:
-        basis = tables[numerical.BASIS]
+    if BASIS in tables:
+        basis = tables[BASIS]
         texts += basis["statements"]
         numbers += basis["levels"]
-        for direction in numerical.directions_of(response):
+        for direction in directions_of(response):
             texts += (direction.name, *direction.runs)
             numbers.append(direction.factor)
         for table in basis["quantities"].values():

@@ -1,7 +1,6 @@
 """Models of studs, common parts: tables split by campaign, responses; the tests as a model."""
 
 import hashlib
-import json
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,8 +14,8 @@ from workbench.base.catalogue import dataset
 from workbench.base.errors import InputError, OutOfDomainError
 from workbench.base.tables import FILES
 from workbench.models.base import Answering
-from workbench.responses import Finding, Response, build_response, finding
-from workbench.responses.uncertainty import SAMPLED
+from workbench.responses import Finding, Response, build_response, finding, set_attributes
+from workbench.responses.uncertainty import DATA_WIDTHS, SAMPLE_WIDTHS, SAMPLED
 from workbench.scenarios import Scenario
 from workbench.scenarios.stud_tests import StudTests
 from workbench.studs.damaged import damaged_rows
@@ -158,11 +157,11 @@ class StudModel(Answering):
         widths: dict[str, Any] = {str(name): 0.0 for name in response.data_vars}
         if not answer.exact:
             widths = {name: each.width for name, each in judged.items() if each.width is not None}
-        kind = "data_uncertainty" if answer.exact else "sampling_uncertainty"  # over tests
-        response.attrs[kind] = json.dumps(plain(widths), sort_keys=True)
+        kind = DATA_WIDTHS if answer.exact else SAMPLE_WIDTHS  # over tests
+        set_attributes(response, **{kind: plain(widths)})
         if answer.judged is not None:
             ends = {name: each.ends for name, each in judged.items() if each.ends is not None}
-            response.attrs[SAMPLED] = json.dumps(plain(ends), sort_keys=True)
+            set_attributes(response, **{SAMPLED: plain(ends)})
         return with_tables(response, answer.tables, {**UNITS, **self.units})
 
 

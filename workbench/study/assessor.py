@@ -1,36 +1,30 @@
 """Assessing a stored study: tables of cells, comparisons, ladders and verdicts. Never simulates."""
 
-import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import chain
 from math import nan
 from numbers import Real
 from pathlib import Path
 from typing import Any
 
-from workbench.base.errors import InputError
+from workbench.base.errors import Collapse, InputError, Mechanism
 from workbench.responses import (
+    Finding,
+    Outcome,
     Response,
     collapse_of,
     energy_error,
+    error_of,
     findings_of,
     scalars_of,
 )
 from workbench.responses.histories import SCALARS, TIMES
+from workbench.responses.outcome import SYNTHETIC
 from workbench.study.assessment.gates import GateVerdict, Verdict
 from workbench.study.cells import StudyCell, as_answered, cells_of
-from workbench.study.chooser import (
-    BIAS_COLUMNS,
-    COST_COLUMNS,
-    MATRIX_COLUMNS,
-    RANKING_COLUMNS,
-    bias_rows,
-    cost_rows,
-    error_tables,
-    matrix_rows,
-    ranking_rows,
-)
+from workbench.study.chooser import derived_tables
 from workbench.study.comparisons import (
     LADDER_COLUMNS,
     CaseAnswers,
@@ -39,7 +33,7 @@ from workbench.study.comparisons import (
     of_side,
 )
 from workbench.study.definition import Study, varied_case
-from workbench.study.store import NOT_RUN, Record, Store
+from workbench.study.store import NOT_RUN, UNREADABLE, Record, Store
 from workbench.study.tables import (
     Columns,
     Row,
@@ -47,21 +41,15 @@ from workbench.study.tables import (
     counts,
     lists,
     numbers,
+    read_table,
+    rows_of,
     table,
+    tabled,
     texts,
     write_table,
 )
-from workbench.study.validation import VALIDATION_COLUMNS, validation_rows
-from workbench.study.verdicts import (
-    GATE_COLUMNS,
-    REFERENCE_COLUMNS,
-    VERDICT_COLUMNS,
-    gate_rows,
-    outside,
-    reference_row,
-    verdict_row,
-    verdicts_of,
-)
+from workbench.study.validation import validation
+from workbench.study.verdicts import gates, outside, references, verdict_table, verdicts_of
 
 ERROR = ("expected", "low", "high", "chance")  # of the error to expect, what cells hold
 _CELL = (
@@ -92,6 +80,7 @@ _COMPARISON = (
     | texts("note")
     | numbers("low", "high")
 )
+_LADDER = texts("case", "quantity")
 _BUDGET = (
     texts("case", "label", "form", "quantity")
     | numbers("value")
@@ -101,22 +90,200 @@ _BUDGET = (
 )
 
 
+_TABLES = (
+    *("cells", "findings", "comparisons", "ladder", "gates", "verdicts", "bias"),
+    *("references", "validation", "matrix", "cost", "budget", "ranking"),
+    *("error-cells", "coverage", "chooser"),
+)
+BEST = "the best reference"  # stands for the governing one of a case
+
+
+@dataclass(frozen=True)
+class CellState:
+    """How one cell ended: `outcome` (or `NOT_RUN`), its `message`, its `findings`, its numbers.
+
+    `numbers` holds the scalar quantities in SI, `wall_time` (s), `shear_utilisation` and
+    `energy_error`, as far as the model knows them; `collapse`, how the structure collapses, if it
+    does.
+    """
+
+    case: str
+    label: str
+    outcome: str = NOT_RUN
+    message: str = ""
+    findings: tuple[Finding, ...] = ()
+    numbers: dict[str, float] = field(default_factory=dict)
+    key: str = ""
+    collapse: Collapse | None = None
+
+    @property
+    def ok(self) -> bool:
+        """Whether the model answered with numbers."""
+        return self.outcome == Outcome.OK
+
+    @property
+    def outside(self) -> tuple[Finding, ...]:
+        """The warnings of physics, which place the case outside the domain of the model."""
+        return tuple(f for f in self.findings if f.outside and not f.expects_error)
+
+
 @dataclass(frozen=True)
 class Assessment:
-    """All `tables` by name, as stored under `directory`, and the `verdicts`.
+    """An assessed study: its `tables`, data frames by name, and the answers of its cells.
 
-    `responses`, what was read of the store, by keys of cells: a report need not read it again.
+    Arguments: `directory` of the store, where the tables stand too; the `study`; the `verdicts`;
+    `responses` by keys of cells, as far as they have been read. Others are read when asked for.
     """
 
     directory: Path
+    study: Study
     tables: Tables
-    verdicts: tuple[GateVerdict, ...]
-    responses: dict[str, Response] = field(default_factory=dict, repr=False)
+    verdicts: tuple[GateVerdict, ...] = ()
+    responses: dict[str, Response] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def failed(self) -> bool:
         """Whether a gate failed."""
         return any(judged.verdict is Verdict.FAIL for judged in self.verdicts)
+
+    @cached_property
+    def cells(self) -> dict[tuple[str, str], CellState]:
+        """Every cell of the study by (case, label), in the order of the study."""
+        known = {(row["case"], row["label"]): row for row in rows_of(self.tables["cells"])}
+        findings: dict[tuple[str, str], list[Finding]] = {}
+        for row in rows_of(self.tables["findings"]):
+            findings.setdefault((row["case"], row["label"]), []).append(Finding.from_dict(row))
+        cells = {}
+        for key in ((case.name, label) for case, label in self.study.cells()):
+            cells[key] = CellState(*key)
+            if key in known:
+                row = known[key]
+                values = {n: float(v) for n, v in row.items() if isinstance(v, (int, float))}
+                outcome = row["outcome"], row["message"]
+                of_cell = tuple(findings.get(key, ()))
+                cells[key] = CellState(*key, *outcome, of_cell, values, row["key"], _collapse(row))
+        return cells
+
+    @cached_property
+    def costs(self) -> dict[str, float]:
+        """Time of each label over that of the reference, as far as it is known."""
+        return dict(self.tables["cost"].set_index("label")["ratio"])
+
+    @cached_property
+    def synthetic(self) -> bool:
+        """Whether a cell holds made numbers, which validate nothing."""
+        return bool((self.tables["findings"]["subject"] == SYNTHETIC).any())
+
+    def expects(self, case: str, label: str) -> bool:
+        """Whether a label is to answer a case."""
+        return (case, label) in self.cells
+
+    def ok(self, case: str, label: str) -> bool:
+        """Whether a label answered a case with numbers."""
+        return self.expects(case, label) and self.cells[case, label].ok
+
+    def collapses(self, case: str, label: str) -> bool:
+        """Whether the structure of a label collapses in a case."""
+        return self.expects(case, label) and self.cells[case, label].collapse is not None
+
+    def number(self, case: str, label: str, name: str) -> float | None:
+        """A scalar of a cell, None if the model did not answer or cannot know it."""
+        cell = self.cells.get((case, label))
+        return None if cell is None else cell.numbers.get(name)
+
+    def values(self, name: str) -> dict[tuple[str, str], float]:
+        """A scalar by (case, label), of all cells that know it, in the order of the study."""
+        return {key: cell.numbers[name] for key, cell in self.cells.items() if name in cell.numbers}
+
+    def response(self, case: str, label: str, *, keep: bool = True) -> Response | None:
+        """The response of a cell that answered, else None; `keep`, for those who ask again."""
+        if not self.ok(case, label):
+            return None
+        key = self.cells[case, label].key
+        response = self.responses.pop(key, None)
+        if response is None:
+            response = Store(self.directory).response(key)
+        if keep:
+            self.responses[key] = response
+        return response
+
+    def records(self, name: str, **values: Any) -> list[dict[str, Any]]:
+        """Rows of a table whose columns have these values; numbers that are absent are None."""
+        table = self.tables[name]
+        for column, value in values.items():
+            table = table[table[column] == value]
+        return rows_of(table)
+
+    def errors(self, quantity: str, metric: str, against: str) -> dict[tuple[str, str], Row]:
+        """Comparisons of one quantity by one metric, by (case, label).
+
+        `against`: one label, or `BEST`: the governing reference of each case.
+        """
+        rows = self.records("comparisons", quantity=quantity, metric=metric)
+        return {
+            (row["case"], row["model"]): row
+            for row in rows
+            if row["against"] == self.held_against(row["case"], against)
+        }
+
+    def held_against(self, case: str, against: str) -> str:
+        """The label that others are held against in a case; empty if no reference answered."""
+        return self._governing.get(case, "") if against == BEST else against
+
+    @cached_property
+    def _governing(self) -> dict[str, str]:
+        """The governing reference of each case."""
+        return dict(self.tables["references"].set_index("case")["label"])
+
+    def ladder(self, case: str, quantity: str) -> dict[str, Any] | None:
+        """The row of the ladder table for a case and quantity."""
+        return next(iter(self.records("ladder", case=case, quantity=quantity)), None)
+
+    @cached_property
+    def provenance(self) -> list[dict[str, str]]:
+        """The different provenance records of the stored cells, in a fixed order."""
+        store = Store(self.directory)
+        run = (cell.key for cell in self.cells.values() if cell.outcome != NOT_RUN)
+        records = {tuple(sorted(store.record(key).get("provenance", {}).items())) for key in run}
+        return [dict(record) for record in sorted(records)]
+
+
+def _collapse(row: Row) -> Collapse | None:
+    """The collapse in a row of the table of cells."""
+    if row["outcome"] != Outcome.COLLAPSE:
+        return None
+    mechanism, parts, *numbers = (row[f"collapse_{name}"] for name in Collapse._fields)
+    return Collapse(Mechanism(mechanism), tuple(parts), *numbers)
+
+
+def read_assessment(directory: Path, study: Study) -> Assessment:
+    """The assessment of a study as it is stored in a directory.
+
+    Raises `InputError` if the study has not been run and assessed.
+    """
+    try:
+        tables = {name: read_table(directory / "tables" / name) for name in _TABLES}
+    except UNREADABLE as error:
+        text = f"has no readable table in its store: {error}"
+        raise InputError("study", study.name, text, "run it first") from error
+    return Assessment(directory, study, tables)
+
+
+def assessment_of(study: Study, responses: Mapping[str, Response]) -> Assessment:
+    """The answers at hand to the only case of a study, by label: their numbers and findings."""
+    (case,) = study.cases
+    answers = CaseAnswers(study, case, tuple(responses), responses)
+    cells = (
+        {"case": case.name, "label": label, "key": label, **numbers_of(response, {})}
+        for label, response in responses.items()
+    )
+    tables = {
+        "cells": table(cells, {**_CELL, **numbers(*SCALARS), **_DERIVED}),
+        "findings": _findings([answers]),
+        "comparisons": table((), {**texts("case"), **_COMPARISON}),
+        "ladder": table((), {**_LADDER, **LADDER_COLUMNS}),
+    }
+    return Assessment(Path(), study, tables, responses=dict(responses))
 
 
 def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
@@ -139,64 +306,45 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
             raise InputError("case.parameters", name, "is the name of a column", "rename it")
     records: dict[str, Record] = {}
     responses: dict[str, Response] = {}
-    by_case: dict[str, list[StudyCell]] = {}
+    by_case: dict[str, dict[str, StudyCell]] = {case.name: {} for case in study.cases}
     for cell in cells:
-        by_case.setdefault(cell.case, []).append(cell)
+        by_case.setdefault(cell.case, {})[cell.label] = cell
         answer = None if cell.key in responses else store.answer(cell.key, cell.ingredients)
         if answer is not None:
             records[cell.key], responses[cell.key] = answer
-    given = []
+    answers = []
     for case in study.cases:
-        cells_by_label = {cell.label: cell for cell in by_case.get(case.name, [])}
-        answered = {
-            label: responses[cell.key]
-            for label, cell in cells_by_label.items()
-            if cell.key in responses
-        }
-        given.append(CaseAnswers(study, case, tuple(cells_by_label), answered))
+        of_case = by_case[case.name]
+        known = {n: responses[cell.key] for n, cell in of_case.items() if cell.key in responses}
+        answers.append(CaseAnswers(study, case, tuple(of_case), known))
+    rows = (
+        _cell_row(each, cell, records.get(cell.key))
+        for each in answers
+        for cell in by_case[each.case.name].values()
+    )
+    scalars = numbers(*SCALARS, *map(width_of, study.quantities))
+    verdicts = verdicts_of(study, answers)
     tables = {
-        "cells": table(
-            (
-                _cell_row(answers, cell, records.get(cell.key))
-                for answers in given
-                for cell in by_case.get(answers.case.name, [])
-            ),
-            {
-                **{**_CELL, **parameters, **numbers(*SCALARS, *map(width_of, study.quantities))},
-                **_DERIVED,
-            },
-        ),
-        "findings": table((row for answers in given for row in _finding_rows(answers)), _FINDING),
-        "references": table(map(reference_row, given), REFERENCE_COLUMNS),
+        "cells": table(rows, {**_CELL, **parameters, **scalars, **_DERIVED}),
+        "findings": _findings(answers),
+        "references": references(answers),
     }
-    verdicts = verdicts_of(study, given)
-    best = tables["references"]["label"]
-    comparisons = map(comparison_rows, given, best)
-    ladders = (ladder_row(answers, q) for answers in given for q in study.quantities)
+    comparisons = map(comparison_rows, answers, tables["references"]["label"])
+    ladders = (ladder_row(each, quantity) for each in answers for quantity in study.quantities)
+    steps = numbers(*study.steps)
     tables |= {
         "comparisons": table(chain(*comparisons), {**texts("case"), **parameters, **_COMPARISON}),
-        "ladder": table(
-            filter(None, ladders),
-            {**texts("case", "quantity"), **numbers(*study.steps), **LADDER_COLUMNS},
-        ),
-        "gates": table(gate_rows(verdicts), GATE_COLUMNS),
-        "verdicts": table(map(verdict_row, verdicts), VERDICT_COLUMNS),
-        "validation": table(validation_rows(study, given), VALIDATION_COLUMNS),
-        "budget": table(_budget_rows(study, cells, responses), _BUDGET),
+        "ladder": table(filter(None, ladders), {**_LADDER, **steps, **LADDER_COLUMNS}),
+        "gates": gates(verdicts),
+        "verdicts": verdict_table(verdicts),
+        "validation": validation(study, answers),
+        "budget": _budget(study, cells, responses),
     }
-    derived: dict[str, tuple[Callable[[Study, Tables], Iterable[Row]], Columns]] = {
-        "bias": (bias_rows, BIAS_COLUMNS),
-        "matrix": (matrix_rows, MATRIX_COLUMNS),
-        "cost": (cost_rows, COST_COLUMNS),
-        "ranking": (ranking_rows, RANKING_COLUMNS),
-    }
-    for name, (rows, columns) in derived.items():
-        tables[name] = table(rows(study, tables), columns)
-    tables |= error_tables(study, tables)
+    tables |= derived_tables(study, tables)
     store.prepare()
     for name, each in tables.items():
         write_table(store.tables / name, each)
-    return Assessment(store.directory, tables, verdicts, responses)
+    return Assessment(store.directory, study, tables, verdicts, responses)
 
 
 def _parameters(study: Study) -> Columns:
@@ -220,11 +368,13 @@ def _cell_row(answers: CaseAnswers, cell: StudyCell, record: Record | None) -> R
     return {**row, **answers.case.parameters, **_widths(answers, cell.label)}
 
 
-def _finding_rows(answers: CaseAnswers) -> Iterator[Row]:
-    for label, response in answers.responses.items():
-        who = {"case": answers.case.name, "label": label}
-        model = answers.study.models[label].name
-        yield from ({**who, "model": model, **f.as_dict()} for f in findings_of(response))
+@tabled(_FINDING)
+def _findings(answers: Sequence[CaseAnswers]) -> Iterator[Row]:
+    """A row for every finding of an answer."""
+    for each in answers:
+        for label, response in each.responses.items():
+            who = {"case": each.case.name, "label": label, "model": each.study.models[label].name}
+            yield from ({**who, **finding.as_dict()} for finding in findings_of(response))
 
 
 def numbers_of(response: Response, record: Record) -> Row:
@@ -243,8 +393,8 @@ def numbers_of(response: Response, record: Record) -> Row:
     }
     if "shear_utilisation" in response:
         row["shear_utilisation"] = float(response["shear_utilisation"].max())
-    error = json.loads(response.attrs.get("error", "{}"))
-    row |= {f"error_{name}": error.get(name) for name in ERROR}
+    error = error_of(response)
+    row |= {f"error_{name}": getattr(error, name) for name in ERROR}
     collapse = collapse_of(response)
     if collapse is not None:
         row |= {f"collapse_{name}": value for name, value in collapse._asdict().items()}
@@ -263,7 +413,8 @@ def _widths(answers: CaseAnswers, label: str) -> Row:
     return {width_of(q): width for q in known if (width := of_side(answers, label, q)[0])}
 
 
-def _budget_rows(
+@tabled(_BUDGET)
+def _budget(
     study: Study, cells: Sequence[StudyCell], read: Mapping[str, Response]
 ) -> Iterator[Row]:
     """A row for every term and sum of every budget, per label, form and quantity."""

@@ -13,7 +13,7 @@ others near it make expect of ln(anchor / truth); ends are order statistics of t
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import asdict
 from math import inf
@@ -26,14 +26,15 @@ import scipy
 from workbench.base.errors import OutOfDomainError
 from workbench.models.strain_rate import feels_rate
 from workbench.responses import Outcome
+from workbench.responses.outcome import WARNED
 from workbench.study.assessment import bias_and_scatter
 from workbench.study.assessment.gates import PEAK, REMAINS, RESIDUAL
 from workbench.study.definition import Study, holds_data
-from workbench.study.error_model.error_model import BEYOND, WARNED, chance_beyond
+from workbench.study.error_model.error_model import BEYOND, chance_beyond
 from workbench.study.error_model.error_table import LocalMean, ends_of, table_of, variant_of
 from workbench.study.error_rows import DOUBTFUL
 from workbench.study.store import NOT_RUN
-from workbench.study.tables import Columns, Row, Tables, counts, numbers, table, texts
+from workbench.study.tables import Row, Tables, counts, numbers, tabled, texts
 from workbench.study.validation import MEASURED
 
 ALL = "all cases"
@@ -119,7 +120,8 @@ def errors_of(study: Study, tables: Tables) -> pd.DataFrame:
     return errors.dropna(axis="columns", how="all")
 
 
-def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
+@tabled(MATRIX_COLUMNS)
+def _matrix(study: Study, tables: Tables) -> Iterator[Row]:
     """A row for every group of cases and label, references first.
 
     Published and measured numbers have none, unless tests are the reference.
@@ -225,7 +227,8 @@ def pooled(pairs: pd.DataFrame) -> dict[str, object]:
     }
 
 
-def bias_rows(study: Study, tables: Tables) -> Iterator[Row]:
+@tabled(BIAS_COLUMNS)
+def _bias(study: Study, tables: Tables) -> Iterator[Row]:
     """Bias and scatter of every model against the reference over the cases, per quantity."""
     compared = tables["comparisons"]
     chosen = (compared["against"] == study.reference) & (compared["metric"] == "relative_error")
@@ -236,7 +239,8 @@ def bias_rows(study: Study, tables: Tables) -> Iterator[Row]:
             yield {**row, **pooled(pairs)}
 
 
-def cost_rows(study: Study, tables: Tables) -> Iterator[Row]:
+@tabled(COST_COLUMNS)
+def _cost(study: Study, tables: Tables) -> Iterator[Row]:
     """Median time of every label over that of the reference that governs most cases.
 
     Solving alone where both sides know that, else the whole answer; a time that may hold
@@ -306,7 +310,8 @@ COVERAGE_COLUMNS = (
 CHOOSER_COLUMNS = texts("way") | counts("chooses", "count", "within") | numbers("reach", "seconds")
 
 
-def ranking_rows(study: Study, tables: Tables) -> Iterator[Row]:
+@tabled(RANKING_COLUMNS)
+def ranking(study: Study, tables: Tables) -> Iterator[Row]:
     """A row for every large group and model, the best first, with its pairs against that one.
 
     Ranked by columns not within the bound, then by the median size of the error.
@@ -383,18 +388,22 @@ class _Drawn(NamedTuple):
         return (self.chance > WARNED) | self.fallen.ne(self.fallen[self.anchor], axis=0)
 
 
+def derived_tables(study: Study, tables: Tables) -> dict[str, pd.DataFrame]:
+    """Tables that follow from those of cells, comparisons and references, by name."""
+    return {
+        "bias": _bias(study, tables),
+        "matrix": _matrix(study, tables),
+        "cost": _cost(study, tables),
+        "ranking": ranking(study, tables),
+        **error_tables(study, tables),
+    }
+
+
 def error_tables(study: Study, tables: Tables) -> dict[str, pd.DataFrame]:
     """Tables of the error model by name; without rows if a study has no anchor or few cases."""
     drawn = _drawn(study, tables)
-    makers: dict[str, tuple[Callable[[_Drawn], Iterator[Row]], Columns]] = {
-        "error-cells": (_cell_rows, CELL_COLUMNS),
-        "coverage": (_coverage_rows, COVERAGE_COLUMNS),
-        "chooser": (_chooser_rows, CHOOSER_COLUMNS),
-    }
-    return {
-        name: table(() if drawn is None else rows(drawn), columns)
-        for name, (rows, columns) in makers.items()
-    }
+    makers = {"error-cells": _cells, "coverage": _coverages, "chooser": _choosers}
+    return {name: made(drawn) for name, made in makers.items()}
 
 
 def _drawn(study: Study, tables: Tables) -> _Drawn | None:
@@ -458,8 +467,11 @@ def _expected(logs: pd.DataFrame, by_cell: Any) -> Iterator[pd.DataFrame]:
         yield pd.DataFrame(each, logs.index, logs.columns)
 
 
-def _cell_rows(drawn: _Drawn) -> Iterator[Row]:
+@tabled(CELL_COLUMNS)
+def _cells(drawn: _Drawn | None) -> Iterator[Row]:
     """A row for every cell: the error of the anchor, of all cases of the cell."""
+    if drawn is None:
+        return
     anchor = drawn.anchor
     for cell, members in drawn.cells.groupby(drawn.cells, sort=False):
         stands = drawn.known.loc[members.index, anchor]
@@ -476,8 +488,11 @@ def _cell_rows(drawn: _Drawn) -> Iterator[Row]:
         }
 
 
-def _coverage_rows(drawn: _Drawn) -> Iterator[Row]:
+@tabled(COVERAGE_COLUMNS)
+def _coverages(drawn: _Drawn | None) -> Iterator[Row]:
     """A row for every model: what intervals hold, who is warned, and what nobody said."""
+    if drawn is None:
+        return
     within, warned, held = drawn.errors.abs() <= BEYOND, drawn.warned, drawn.held
     apart = drawn.fallen.ne(drawn.collapses, axis=0)
     widths = 1.0 / (1.0 + drawn.low) - 1.0 / (1.0 + drawn.high)
@@ -499,8 +514,11 @@ def _coverage_rows(drawn: _Drawn) -> Iterator[Row]:
         }
 
 
-def _chooser_rows(drawn: _Drawn) -> Iterator[Row]:
+@tabled(CHOOSER_COLUMNS)
+def _choosers(drawn: _Drawn | None) -> Iterator[Row]:
     """A row for every model by itself, then for every way to choose; the reference is right."""
+    if drawn is None:
+        return
     errors, anchor, seconds = drawn.errors, drawn.anchor, drawn.seconds
     for label in map(str, errors):
         yield _chosen(label, errors[label], seconds[label])

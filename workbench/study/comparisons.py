@@ -11,7 +11,6 @@ are evaluated with every run of a side; these values give their interval by the 
 Metrics of a response alone are numbers about the run: they have no interval.
 """
 
-import json
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -19,8 +18,9 @@ from math import hypot
 from typing import Any, NamedTuple
 
 from workbench.base.errors import Collapse, InputError
-from workbench.responses import Outcome, Response, collapse_of, findings_of, outcome_of
+from workbench.responses import Outcome, Response, attribute, collapse_of, findings_of, outcome_of
 from workbench.responses import uncertainty as numerical
+from workbench.responses.uncertainty import DATA_WIDTHS, SAMPLE_WIDTHS
 from workbench.study.assessment import METRICS, Ladder, Metric, Scope, ladder
 from workbench.study.assessment.metric import sides
 from workbench.study.definition import Case, Study
@@ -103,18 +103,15 @@ def of_side(answers: CaseAnswers, label: str, quantity: str) -> Known:
         levels = quantity_ladder(answers, quantity)
         if levels is not None:
             return levels.uncertainty, f"ladder of {label}: {levels.note}"
-        if not {"data_uncertainty", "sampling_uncertainty"} & response.attrs.keys():
+        if not {DATA_WIDTHS, SAMPLE_WIDTHS} & response.attrs.keys():
             return None, _no_ladder(label)
-    if "sampling_uncertainty" in response.attrs:
-        width = json.loads(response.attrs["sampling_uncertainty"]).get(quantity)
-        if width is None:
-            return None, f"{label}: one test has no interval"
-        return float(width), f"{label}: interval over the tests or samples"
-    if "data_uncertainty" in response.attrs:
-        widths = json.loads(response.attrs["data_uncertainty"])
-        if quantity not in widths:
-            return None, f"{label} states no uncertainty of {quantity}"
-        return float(widths[quantity]), f"{label}: uncertainty of the data"
+    for kind, source, missing in (
+        (SAMPLE_WIDTHS, "interval over the tests or samples", ": one test has no interval"),
+        (DATA_WIDTHS, "uncertainty of the data", f" states no uncertainty of {quantity}"),
+    ):
+        if kind in response.attrs:
+            width = numerical.uncertainty_of(response, quantity, kind)
+            return width, f"{label}{missing}" if width is None else f"{label}: {source}"
     if numerical.WIDTHS in response.attrs:
         return None, f"{label}: {own_note(response, quantity)}"
     return 0.0, ""
@@ -127,7 +124,7 @@ def joined(*notes: str) -> str:
 
 def own_note(response: Response, quantity: str) -> str:
     """Note of a response on its own numerical uncertainty of a quantity."""
-    basis = json.loads(response.attrs[numerical.BASIS])
+    basis = attribute(response, numerical.BASIS)
     known = basis["quantities"].get(quantity)
     if known is None:
         return f"its numerical uncertainty of {quantity} was not asked for"
@@ -154,7 +151,7 @@ def _spread(answers: CaseAnswers, label: str, quantity: str, values: Mapping[str
             return None, f"{label} keeps no {quantity} of its coarser runs: uncertainty unknown"
         directions = numerical.directions_of(response)
         if not directions:
-            return None, f"{label}: {_said(json.loads(response.attrs[numerical.BASIS]))}"
+            return None, f"{label}: {_said(attribute(response, numerical.BASIS))}"
         estimate = numerical.estimate(directions, values)
         return estimate.width, f"refinement of {what}: {estimate.note}"
     if label == answers.study.reference:
@@ -169,7 +166,7 @@ def _spread(answers: CaseAnswers, label: str, quantity: str, values: Mapping[str
 
 def _refined(response: Response) -> bool:
     """Whether a response tried coarser meshes of its own."""
-    return len(json.loads(response.attrs.get(numerical.BASIS, "{}")).get("levels", ())) > 1
+    return len(attribute(response, numerical.BASIS).get("levels", ())) > 1
 
 
 def _said(basis: Mapping[str, Any]) -> str:
@@ -279,7 +276,7 @@ def comparison_rows(answers: CaseAnswers, best: str | None = None) -> Iterator[R
     Also against the `best` of several references.
     """
     study = answers.study
-    data = [label for label, r in answers.responses.items() if "data_uncertainty" in r.attrs]
+    data = [label for label, r in answers.responses.items() if DATA_WIDTHS in r.attrs]
     asked = [gate.against for gate in study.gates if gate.against != gate.model]
     curve, scope = "displacement", Scope.HISTORY
     if answers.case.scenario.STATIC:
@@ -330,7 +327,7 @@ def ladder_row(answers: CaseAnswers, quantity: str) -> Row | None:
 
 def _own_ladder(case: Case, response: Response, quantity: str) -> Row | None:
     """The row of the ladder table from the runs behind a response; None without the quantity."""
-    table = json.loads(response.attrs[numerical.BASIS])["quantities"].get(quantity)
+    table = attribute(response, numerical.BASIS)["quantities"].get(quantity)
     if table is None:
         return None
     width = numerical.uncertainty_of(response, quantity)

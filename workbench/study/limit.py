@@ -8,12 +8,21 @@ taken for neither: the bracket closes on it from both sides.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from math import sqrt
 from typing import Any
 
+from workbench.base.errors import Collapse
 from workbench.models.base import Model, ask, on_one_mesh
-from workbench.responses import Outcome, Response, collapse_of, outcome_of, survives, warnings_of
+from workbench.responses import (
+    Finding,
+    Outcome,
+    Response,
+    collapse_of,
+    outcome_of,
+    survives,
+    warnings_of,
+)
 from workbench.responses.histories import NO_PEAK, largest_of
 from workbench.scenarios import Scenario
 from workbench.scenarios.column import DURATION
@@ -28,7 +37,7 @@ SMALL = 1e-3  # of the range; values below it do not make the bracket narrower
 class SurvivalTrial:
     """Trial at one `value`: whether the structure `survives`, None where that is not known.
 
-    With `outcome` and `message`, `collapse` as responses carry it, and `duration` of the record (s;
+    With `outcome` and `message`, its `collapse`, and `duration` of the record (s;
     None: the scenario has none).
     """
 
@@ -36,7 +45,7 @@ class SurvivalTrial:
     survives: bool | None
     outcome: str
     message: str
-    collapse: dict[str, Any] | None
+    collapse: Collapse | None
     duration: float | None
 
 
@@ -55,7 +64,7 @@ class CriticalValue:
     collapses_at: float | None
     settled: bool
     trials: tuple[SurvivalTrial, ...]
-    warnings: tuple[dict[str, Any], ...] = ()
+    warnings: tuple[Finding, ...] = ()
 
     @property
     def undecided(self) -> tuple[SurvivalTrial, ...]:
@@ -68,9 +77,11 @@ class CriticalValue:
 
     def as_dict(self) -> dict[str, Any]:
         """The limit as JSON holds it, with trials in the order of their values."""
-        tried = sorted(self.trials, key=lambda trial: trial.value)
-        trials = [asdict(trial) for trial in tried]
-        return {**asdict(self), "trials": trials, "warnings": list(self.warnings)}
+        trials = [
+            {**vars(each), "collapse": each.collapse and each.collapse._asdict()}
+            for each in sorted(self.trials, key=lambda trial: trial.value)
+        ]
+        return {**vars(self), "trials": trials, "warnings": [f.as_dict() for f in self.warnings]}
 
 
 def find_limit(
@@ -123,8 +134,7 @@ def find_limit(
         collapsed_at = middle if survived is False else collapsed_at
     at_ends = [ended[way] for way in (True, False) if way in ended]
     findings = {f.subject: f for each in reversed(at_ends) for f in advise(alone, *each)}
-    advised = (f for f in findings.values() if not f.refusal and f.subject != CLOSE)
-    warnings = tuple(f.as_dict() for f in advised)
+    warnings = tuple(f for f in findings.values() if not f.refusal and f.subject != CLOSE)
     return CriticalValue(
         model.name, survived_at, collapsed_at, settled, tuple(trials.values()), warnings
     )
@@ -143,14 +153,13 @@ def _gap(survived_at: float, collapsed_at: float, silent: list[float]) -> tuple[
 
 
 def _trial(value: float, scenario: Any, response: Response) -> SurvivalTrial:
-    collapse = collapse_of(response)
     open_end = [str(finding) for finding in warnings_of(response) if finding.subject == NO_PEAK]
     return SurvivalTrial(
         value,
         survives(response),
         outcome_of(response).value,
         response.attrs["message"] or "; ".join(open_end),
-        None if collapse is None else collapse._asdict(),
+        collapse_of(response),
         getattr(scenario, "duration", None),
     )
 

@@ -3,11 +3,11 @@
 import io
 import json
 import re
-from collections.abc import Iterable, Mapping
-from functools import partial
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial, wraps
 from pathlib import Path
 from types import NoneType
-from typing import Any
+from typing import Any, ParamSpec
 
 import numpy as np
 import pandas as pd
@@ -16,6 +16,7 @@ import xarray as xr
 from workbench.base.datafiles import check_library
 from workbench.study.store import read_netcdf, to_netcdf_bytes, write_atomically
 
+P = ParamSpec("P")
 Row = Mapping[str, Any]
 Columns = dict[str, Any]  # by name, what stands where a row has none: its type is the column's
 Tables = Mapping[str, pd.DataFrame]
@@ -52,6 +53,21 @@ def table(rows: Iterable[Row], columns: Mapping[str, Any]) -> pd.DataFrame:
         values = [default if (value := row.get(name)) is None else value for row in listed]
         series[name] = pd.Series(values, dtype=_TYPES[type(default)])
     return pd.DataFrame(series)
+
+
+def tabled(
+    columns: Mapping[str, Any],
+) -> Callable[[Callable[P, Iterable[Row]]], Callable[P, pd.DataFrame]]:
+    """A function that gives rows, as one that gives the typed table with these columns."""
+
+    def typed(rows: Callable[P, Iterable[Row]]) -> Callable[P, pd.DataFrame]:
+        @wraps(rows)
+        def tabulated(*arguments: P.args, **options: P.kwargs) -> pd.DataFrame:
+            return table(rows(*arguments, **options), columns)
+
+        return tabulated
+
+    return typed
 
 
 def rows_of(table: pd.DataFrame) -> list[dict[str, Any]]:

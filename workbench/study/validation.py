@@ -5,18 +5,18 @@ that judge the strength of studs; coverage is the share of tests inside the stat
 comparison, numerical and measurement, with its exact binomial interval.
 """
 
-import json
 from collections.abc import Iterator, Sequence
 from math import sqrt
 
 import pandas as pd
 
 from workbench.base.errors import InputError, SolverError
-from workbench.responses import is_synthetic
+from workbench.responses import attribute, is_synthetic
+from workbench.responses.uncertainty import DATA_WIDTHS
 from workbench.study.assessment import METRICS
 from workbench.study.comparisons import CaseAnswers, compare
 from workbench.study.definition import Study, holds_data
-from workbench.study.tables import Row, counts, numbers, texts
+from workbench.study.tables import Row, counts, numbers, tabled, texts
 
 VALIDATION_COLUMNS = (
     texts("model", "against", "quantity")
@@ -32,7 +32,8 @@ _TWO_SIDED = 1.96  # standard deviations in a half-width that holds 95 %
 MEASURED = "measured"  # name of the model that answers with tests
 
 
-def validation_rows(study: Study, answers: Sequence[CaseAnswers]) -> Iterator[Row]:
+@tabled(VALIDATION_COLUMNS)
+def validation(study: Study, answers: Sequence[CaseAnswers]) -> Iterator[Row]:
     """A row for every model, measured side and quantity; none where nothing was measured."""
     sides = [label for label, model in study.models.items() if model.name == MEASURED]
     for against in sides:
@@ -55,9 +56,9 @@ def _pair(answers: CaseAnswers, model: str, against: str, quantity: str) -> Row 
     test, prediction = compared.against_value, compared.value
     if test is None or prediction is None or min(test, prediction) <= 0.0:
         return None
-    attributes = answers.responses[against].attrs
-    width = json.loads(attributes["data_uncertainty"])[quantity]
-    row = {"campaign": json.loads(attributes["data"])["campaign"], "specimen": answers.case.name}
+    measured = answers.responses[against]
+    width = attribute(measured, DATA_WIDTHS)[quantity]
+    row = {"campaign": attribute(measured, "data")["campaign"], "specimen": answers.case.name}
     row |= {"test": test, "prediction": prediction, "measured": width / test}
     return {**row, "error": compared.error, "uncertainty": compared.uncertainty}
 

@@ -22,7 +22,7 @@ from workbench.study.assessment import METRICS
 from workbench.study.assessment.gates import PEAK, CaseVerdict, Gate, GateVerdict, Verdict, judge
 from workbench.study.comparisons import CaseAnswers, compare, of_side
 from workbench.study.definition import Study
-from workbench.study.tables import Row, counts, lists, numbers, texts
+from workbench.study.tables import Row, counts, lists, numbers, tabled, texts
 
 REFERENCE_COLUMNS = (
     texts("case", "label")
@@ -84,7 +84,7 @@ def governing_of(answers: CaseAnswers) -> Governing | None:
     return best_outside
 
 
-def reference_row(answers: CaseAnswers) -> Row:
+def _reference_row(answers: CaseAnswers) -> Row:
     """The row of a case in the table of references, with the relative uncertainty of the peak."""
     row: dict[str, object] = {"case": answers.case.name}
     governing = governing_of(answers)
@@ -97,6 +97,12 @@ def reference_row(answers: CaseAnswers) -> Row:
         width, value = of_side(answers, governing.label, PEAK)[0], float(response[PEAK])
         row["uncertainty"] = None if width is None or value == 0.0 else width / abs(value)
     return row
+
+
+@tabled(REFERENCE_COLUMNS)
+def references(answers: Sequence[CaseAnswers]) -> Iterator[Row]:
+    """A row for every case: the governing reference."""
+    yield from map(_reference_row, answers)
 
 
 def doubted(gate: Gate, answers: CaseAnswers, judged: CaseVerdict) -> CaseVerdict:
@@ -182,24 +188,24 @@ def _collapsed(gate: Gate, answers: CaseAnswers, collapsed: tuple[str, ...]) -> 
     return CaseVerdict(answers.case.name, verdict, None, None, note, collapsed)
 
 
-def gate_rows(verdicts: Sequence[GateVerdict]) -> Iterator[Row]:
+@tabled(GATE_COLUMNS)
+def gates(verdicts: Sequence[GateVerdict]) -> Iterator[Row]:
     """A row for every gate and case."""
     for gate in verdicts:
         yield from ({**_columns(gate), **asdict(case)} for case in gate.cases)
 
 
-def verdict_row(judged: GateVerdict) -> Row:
-    """The row of a gate in the table of verdicts."""
-    critical = {} if judged.critical is None else asdict(judged.critical)
-    reached = ("case", "value", "uncertainty", "low", "high")
-    return {
-        **_columns(judged),
-        "verdict": judged.verdict.value,
-        **judged.counts,
-        **{name: critical.get(name) for name in reached},
-        "collapsed": list(critical.get("collapsed", ())),
-        "reasons": list(judged.reasons),
-    }
+@tabled(VERDICT_COLUMNS)
+def verdict_table(verdicts: Sequence[GateVerdict]) -> Iterator[Row]:
+    """A row for every gate."""
+    for judged in verdicts:
+        critical = {} if judged.critical is None else asdict(judged.critical)
+        yield {
+            **_columns(judged),
+            **{**critical, "collapsed": list(critical.get("collapsed", ()))},
+            **{"verdict": judged.verdict.value, "reasons": list(judged.reasons)},
+            **judged.counts,
+        }
 
 
 def _columns(judged: GateVerdict) -> dict[str, object]:

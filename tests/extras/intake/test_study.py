@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from pages import View, views
 from scipy.stats import beta
@@ -21,9 +22,8 @@ from workbench.report.chapters.answer import in_brief
 from workbench.report.chapters.results import footnote
 from workbench.report.page.documents import render_markdown
 from workbench.report.page.terminal import show
-from workbench.report.stored import Stored
 from workbench.study import Study, load_study, run_study
-from workbench.study.assessor import Assessment, assess
+from workbench.study.assessor import Assessment, assess, read_assessment
 from workbench.study.tables import rows_of
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -96,7 +96,7 @@ def test_synthetic_rows_judge_nothing_and_are_named_everywhere(
     assert {v.verdict.value for v in assess(strict, empty).verdicts} == {"inconclusive"}
     assert all(row["synthetic"] for row in rows_of(result.tables["validation"]))
     assert all(row["synthetic"] == 2 for row in rows_of(result.tables["matrix"]))
-    build_report(Stored(result.directory, study), formats=("html",))
+    build_report(read_assessment(result.directory, study), formats=("html",))
     page = (result.directory / "report" / "report.html").read_text(encoding="utf-8")
     assert f"<h1>{MARK}Impacts" in page
     captions = re.findall(r"<((?:fig)?caption)\b[^>]*>(.*?)</\1>", page, re.DOTALL)
@@ -112,12 +112,18 @@ def test_synthetic_rows_judge_nothing_and_are_named_everywhere(
     assert not re.findall(r'<td class="[^"]*\b(good|doubt|bad)\b', beside)
     assert set(re.findall(r'"tone":"(\w*)"', beside)) == {""}
     assert len(re.findall(r'"model":"SYNTHETIC rows"[^{}]*"main":[^{}]*"width":', beside)) == 2
-    front = summary(Stored(result.directory, study), empty / "git").read_text(encoding="utf-8")
+    front = summary(read_assessment(result.directory, study), empty / "git").read_text(
+        encoding="utf-8"
+    )
     assert front.startswith(f"# {MARK}")
     assert "no model is judged" in front
-    matrix = [row for row in Stored(result.directory, study).rows["matrix"] if row["synthetic"]]
+    matrix = [
+        row
+        for row in read_assessment(result.directory, study).records("matrix")
+        if row["synthetic"]
+    ]
     assert {row["label"] for row in matrix} == {"SYNTHETIC rows", "4-DOF", "energy estimate"}
-    show(in_brief(study, Stored(result.directory, study)))
+    show(in_brief(study, read_assessment(result.directory, study)))
     output = capsys.readouterr().out
     assert output.startswith("SYNTHETIC rows, no tests: made numbers")
     assert f"{MARK}Error of the peak" in " ".join(output.split())
@@ -164,7 +170,7 @@ def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) 
         "energy estimate",
     }
     assert "tests" not in {row["label"] for row in rows_of(result.tables["cost"])}
-    page = render_markdown(document(study, Stored(result.directory, study), []))
+    page = render_markdown(document(study, read_assessment(result.directory, study), []))
     assert "SYNTHETIC" not in page
     assert "No tests here: no measured impact" not in page
     assert "Models over tests" in page
@@ -186,8 +192,7 @@ def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) 
 def test_studies_of_impacts_without_tests_carry_the_footnote(empty: Path) -> None:
     def notes(name: str) -> list[View]:
         study = load_study(ROOT / "studies" / f"{name}.py").study
-        stored = Stored(empty, study)
-        stored.__dict__["synthetic"] = False
+        stored = Assessment(empty, study, {"findings": pd.DataFrame({"subject": []})})
         return views(footnote(study, stored))
 
     (statements,) = notes("column_sweep")

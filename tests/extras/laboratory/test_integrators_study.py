@@ -16,17 +16,16 @@ from workbench.extras.laboratory.problems import PROBLEMS as BUILT
 from workbench.extras.laboratory.scenario import PROBLEMS, ImpactProblem
 from workbench.report.build import document
 from workbench.report.gallery import draw_all
-from workbench.report.stored import Stored
 from workbench.responses import outcome_of
 from workbench.scenarios import scenario_from, to_toml
 from workbench.study import Case, Figure, Study, run_study
-from workbench.study.assessor import assess
+from workbench.study.assessor import Assessment, assess, read_assessment
 
 LABELS = ("event-driven", "midpoint", "newmark")
 
 
 @pytest.fixture(scope="module")
-def stored(tmp_path_factory) -> Stored:
+def stored(tmp_path_factory) -> Assessment:
     """Two problems by three schemes."""
     figures = (
         Figure("precision", "work-precision", "Work", "Errors."),
@@ -46,7 +45,7 @@ def stored(tmp_path_factory) -> Stored:
     root = tmp_path_factory.mktemp("integrators")
     directory = run_study(study, root, jobs=0).directory
     assess(study, root)
-    return Stored(directory, study)
+    return read_assessment(directory, study)
 
 
 def test_scenarios_name_the_problems_of_the_laboratory() -> None:
@@ -59,7 +58,7 @@ def test_scenarios_name_the_problems_of_the_laboratory() -> None:
         ImpactIntegrator("euler")
 
 
-def test_a_ladder_is_stored_with_its_errors_and_cost(stored: Stored) -> None:
+def test_a_ladder_is_stored_with_its_errors_and_cost(stored: Assessment) -> None:
     response = stored.response("two-masses", "midpoint")
     assert response is not None
     error = response["ladder.error"].values
@@ -78,7 +77,7 @@ def test_an_exact_answer_states_its_uncertainty() -> None:
     assert json.loads(exact.attrs["data_uncertainty"])["relative_error"] == 0.0
 
 
-def test_the_page_says_which_scheme_for_which_problem(stored: Stored) -> None:
+def test_the_page_says_which_scheme_for_which_problem(stored: Assessment) -> None:
     plates = draw_all(stored.study, stored)
     drawn = {plate.figure.key: plate.drawing for plate in plates}
     timed, counted = (drawn[key].data for key in ("time", "precision"))

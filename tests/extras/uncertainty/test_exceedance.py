@@ -7,14 +7,14 @@ from pages import views
 
 from workbench.base.errors import InputError
 from workbench.extras.uncertainty.chapter import in_short
-from workbench.extras.uncertainty.exceedance import MEDIAN, Exceedance, half_widths, shares
+from workbench.extras.uncertainty.exceedance import MEDIAN, Exceedance, shares
 from workbench.extras.uncertainty.scenario import UncertainImpact
 from workbench.report.gallery import draw_all
-from workbench.report.stored import Stored
-from workbench.responses import Outcome, outcome_of
+from workbench.responses import Outcome, attribute, outcome_of
+from workbench.responses.uncertainty import SAMPLE_WIDTHS
 from workbench.scenarios import load_scenario, to_toml
 from workbench.study import Case, Figure, Study, run_study
-from workbench.study.assessor import assess
+from workbench.study.assessor import assess, read_assessment
 
 TEXT = f"""{UNCERTAIN}mass = {{ lognormal = {{ mean = 1500.0, cov = 0.1 }} }}
 velocity = 10.0
@@ -42,7 +42,7 @@ def stored(tmp_path_factory):
     root = tmp_path_factory.mktemp("curves")
     run_study(study, root, jobs=1)
     assess(study, root)
-    return Stored(root / study.name, study)
+    return read_assessment(root / study.name, study)
 
 
 def test_velocities_are_those_of_the_samples(stored):
@@ -53,7 +53,7 @@ def test_velocities_are_those_of_the_samples(stored):
     assert np.interp(at[1], *curve) == pytest.approx(0.5, abs=1e-3)
     # single-dof columns are stiffer: the limit is reached at a higher velocity than by four-dof
     assert float(corrected[MEDIAN]) < at[1]
-    assert half_widths(corrected)[MEDIAN] > 0.0
+    assert attribute(corrected, SAMPLE_WIDTHS)[MEDIAN] > 0.0
     assert float(corrected["runs.references"]) == 8.0
     assert "band.meshes" not in corrected  # four-dof has no mesh
 

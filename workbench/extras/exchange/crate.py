@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from workbench.report.gallery import cases_of, figures_of
-from workbench.report.stored import Stored
+from workbench.study.assessor import Assessment
 from workbench.study.store import Store, canonical_json, write_atomically
 
 METADATA = "ro-crate-metadata.json"
@@ -31,7 +31,7 @@ _FORMATS = {
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # of every entry: equal stores give equal archives
 
 
-def write_crate(stored: Stored, report: Path, target: Path, commands: tuple[str, ...]) -> None:
+def write_crate(stored: Assessment, report: Path, target: Path, commands: tuple[str, ...]) -> None:
     """Write an archive of a built report and of all that it was made of.
 
     Arguments: the `stored` study; the folder of its built `report`; the `target`, a zip; the
@@ -50,7 +50,7 @@ def write_crate(stored: Stored, report: Path, target: Path, commands: tuple[str,
 _CONTEXT = "https://w3id.org/ro/crate/1.1/context"
 
 
-def _files(stored: Stored, report: Path) -> Iterator[tuple[str, bytes]]:
+def _files(stored: Assessment, report: Path) -> Iterator[tuple[str, bytes]]:
     """Contents of all files by their names in the crate."""
     store = Store(stored.directory)
     yield "manifest.json", store.manifest.read_bytes()
@@ -66,7 +66,7 @@ def _files(stored: Stored, report: Path) -> Iterator[tuple[str, bytes]]:
 
 
 def _graph(
-    stored: Stored, files: Mapping[str, bytes], commands: tuple[str, ...]
+    stored: Assessment, files: Mapping[str, bytes], commands: tuple[str, ...]
 ) -> list[dict[str, Any]]:
     """The entities of the crate: itself, its files, the programs, and the act that made it."""
     study, programs = stored.study, list(_programs(stored))
@@ -124,7 +124,7 @@ def _file(name: str, content: bytes) -> dict[str, Any]:
     }
 
 
-def _programs(stored: Stored) -> Iterator[dict[str, Any]]:
+def _programs(stored: Assessment) -> Iterator[dict[str, Any]]:
     """The programs that answered the cells, each with its version and what it ran with."""
     for number, record in enumerate(stored.provenance, 1):
         known = {name: value for name, value in record.items() if name != "machine"}

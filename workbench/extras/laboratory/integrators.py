@@ -12,8 +12,8 @@ from workbench.extras.laboratory.scenario import ImpactProblem
 from workbench.report.page.formatting import number
 from workbench.report.page.markdown import ABSENT, Cell, Markdown, PageColumn, Table
 from workbench.report.page.page import Page
-from workbench.report.stored import Stored
 from workbench.responses import Response
+from workbench.study.assessor import Assessment
 from workbench.study.definition import Study
 
 GOOD = 0.01  # error of the places over the largest place
@@ -42,7 +42,7 @@ class _Entry(NamedTuple):
 Entries = dict[str, dict[str, _Entry | None]]  # by scheme and problem
 
 
-def in_short(study: Study, stored: Stored) -> Markdown:
+def in_short(study: Study, stored: Assessment) -> Markdown:
     """Summary of integrators: the matrix, and what it says; empty without integrators."""
     entries: Entries = {}
     cases = [case for case in study.cases if isinstance(case.scenario, ImpactProblem)]

@@ -4,7 +4,6 @@ A cell of a study is one integrator on one problem; its response holds the error
 the conditions of contact of every step size, and the record of the finest.
 """
 
-import json
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, ClassVar
@@ -20,7 +19,7 @@ from workbench.extras.laboratory.scenario import ImpactProblem
 from workbench.extras.laboratory.schemes import SCHEMES
 from workbench.extras.laboratory.systems import SystemRecord, run
 from workbench.models.base import Answering
-from workbench.responses import Finding, Response, build_response
+from workbench.responses import Finding, Response, build_response, set_attributes
 
 LADDER = {
     "ladder.step": ("s", "time step"),
@@ -186,5 +185,5 @@ class ImpactExact(Answering):
         response: Response = _response(given, {"record.exact": exact[:, -1]}, {}, **nothing)
         width = 0.0 if given.exact is not None else given.certified
         widths = {name: width if name == "relative_error" else 0.0 for name in nothing}
-        response.attrs["data_uncertainty"] = json.dumps(widths, sort_keys=True)
+        set_attributes(response, data_uncertainty=widths)
         return response

@@ -3,13 +3,14 @@
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.extras.uncertainty.exceedance import MEDIAN, half_widths
+from workbench.extras.uncertainty.exceedance import MEDIAN
 from workbench.extras.uncertainty.scenario import UncertainImpact
 from workbench.report.page.formatting import duration, number
 from workbench.report.page.markdown import Cell, Markdown, Table
 from workbench.report.page.page import Page
-from workbench.report.stored import Stored
-from workbench.responses import Response
+from workbench.responses import Response, attribute
+from workbench.responses.uncertainty import SAMPLE_WIDTHS
+from workbench.study.assessor import Assessment
 from workbench.study.definition import Study
 
 _PARTS = ("samples", "references", "meshes")
@@ -18,7 +19,7 @@ _LEAST = 0.05  # share of an input that is named
 PAGE = Page(__file__)
 
 
-def in_short(study: Study, stored: Stored) -> Markdown:
+def in_short(study: Study, stored: Assessment) -> Markdown:
     """Summary of curves: what governs each case, and a row for each; empty without curves."""
     rows: list[tuple[str, str, Response, float | None]] = []
     governs: dict[str, str] = {}
@@ -53,7 +54,8 @@ def _velocity(response: Response, name: str) -> Cell | None:
     if name not in response:
         return None
     value = float(response[name])
-    return Cell(f"{value:.3g} ± {number(half_widths(response)[name], 1)}", value)
+    width = attribute(response, SAMPLE_WIDTHS)[name]
+    return Cell(f"{value:.3g} ± {number(width, 1)}", value)
 
 
 def _half_width(response: Response) -> Cell:

@@ -5,7 +5,6 @@ named by `curve.` (over velocity), `velocity.` (at a probability), `band.` (its 
 `governs.` (shares of the inputs).
 """
 
-import json
 from dataclasses import dataclass
 from math import exp, inf, isfinite
 from typing import Any, ClassVar
@@ -22,7 +21,7 @@ from workbench.extras.uncertainty.inputs import uncertain_from_text
 from workbench.extras.uncertainty.sample_runs import Setup
 from workbench.extras.uncertainty.scenario import UncertainImpact
 from workbench.models.base import Answering, make_model
-from workbench.responses import Finding, Response, build_response
+from workbench.responses import Finding, Response, build_response, set_attributes
 from workbench.study.batches import Processes
 
 MEDIAN = "velocity.at_50"
@@ -100,11 +99,6 @@ def shares(log_velocity: Array, scores: Array) -> Array:
     return np.asarray(correlation[0, 1:] ** 2)
 
 
-def half_widths(response: Response) -> dict[str, float]:
-    """Half-widths (m/s) of the velocities at a probability, by name."""
-    return dict(json.loads(response.attrs["sampling_uncertainty"]))
-
-
 def _response(
     curve: Curve,
     names: list[str],
@@ -137,5 +131,5 @@ def _response(
     put("governs.input", ("input",), names, "1", "uncertain input")
     given = shares(log_velocity, scores)
     put("governs.share", ("input",), given, "1", "share in the variance of ln critical velocity")
-    response.attrs["sampling_uncertainty"] = json.dumps(widths)
+    set_attributes(response, sampling_uncertainty=widths)
     return response

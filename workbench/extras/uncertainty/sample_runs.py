@@ -1,6 +1,5 @@
 """Runs of models by sample: tables of answers, and those that a fragility curve rests on."""
 
-import json
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from math import exp, isfinite, log
@@ -31,7 +30,7 @@ from workbench.extras.uncertainty.inputs import UncertainScenario
 from workbench.models.base import LONGER, on_one_mesh
 from workbench.models.batch import OUTCOME
 from workbench.responses import Outcome, outcome_of
-from workbench.responses.uncertainty import WIDTHS
+from workbench.responses.uncertainty import uncertainty_of
 from workbench.scenarios.column import DURATION
 from workbench.scenarios.varied import Path_, Varied
 from workbench.study.batches import Run, answers_by, answers_of
@@ -109,7 +108,7 @@ def on_finer_mesh(
     coarse = Asked(on_one_mesh(model), scenario).peak_at(x)
     if outcome_of(response) is not Outcome.OK or not isfinite(coarse):
         return None
-    peak, width = abs(float(response[PEAK])), json.loads(response.attrs[WIDTHS]).get(PEAK)
+    peak, width = abs(float(response[PEAK])), uncertainty_of(response, PEAK)
     if width is None:
         return None
     return -log(peak / coarse) / ratio.slope, width / peak / ratio.slope

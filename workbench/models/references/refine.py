@@ -5,7 +5,6 @@ of both are of first order; more fibers and shorter steps alone are tried on the
 See docs/theory/numerical-uncertainty.md.
 """
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any, NamedTuple
@@ -23,6 +22,7 @@ from workbench.responses import (
     findings_of,
     outcome_of,
     scalars_of,
+    set_attributes,
     set_findings,
     warnings_of,
 )
@@ -168,21 +168,17 @@ class _Refinement:
             more = () if elastic else ("localises",)
             doubts.append(finding("refinement-drifts", parts=more, names=", ".join(drifting)))
         widths = {q: estimates[q].width for q in quantities}
-        response.attrs[WIDTHS] = json.dumps(widths, sort_keys=True)
-        response.attrs[BASIS] = json.dumps(
-            {
-                "levels": [mesh.refinement for mesh in self._meshes()],
-                "directions": [asdict(direction) for direction in directions],
-                "quantities": {
-                    q: _table(estimates[q], by_run[q])
-                    | {"variable": point.variable if point else q}
-                    for q, point in quantities.items()
-                },
-                "quadrature": "fixed by the element, no option: part of space",
-                "statements": list(dict.fromkeys([*self.statements, *(f.text for f in doubts)])),
+        basis: dict[str, Any] = {
+            "levels": [mesh.refinement for mesh in self._meshes()],
+            "directions": [asdict(direction) for direction in directions],
+            "quantities": {
+                q: _table(estimates[q], by_run[q]) | {"variable": point.variable if point else q}
+                for q, point in quantities.items()
             },
-            sort_keys=True,
-        )
+            "quadrature": "fixed by the element, no option: part of space",
+            "statements": list(dict.fromkeys([*self.statements, *(f.text for f in doubts)])),
+        }
+        set_attributes(response, **{WIDTHS: widths, BASIS: basis})
         attach_curves(response, self.runs)
         set_findings(response, [*doubts, *findings_of(response)])
 

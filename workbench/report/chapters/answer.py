@@ -20,9 +20,9 @@ from workbench.report.page.markdown import (
     literal,
 )
 from workbench.report.page.page import Page
-from workbench.report.stored import BEST, CellState, Stored
 from workbench.responses import Finding
 from workbench.study.assessment.gates import PEAK, RESIDUAL
+from workbench.study.assessor import BEST, Assessment, CellState
 from workbench.study.definition import Figure, Study
 
 GOOD = 0.05  # bound of what may be relied on
@@ -57,6 +57,11 @@ class MatrixCell(NamedTuple):
     bias: float | None
     brief: str = ""
 
+    @property
+    def words(self) -> str:
+        """All that the cell says, in one line."""
+        return "; ".join(filter(None, (self.statement, self.ends, self.details)))
+
 
 class MatrixRow(NamedTuple):
     """The cells of a model by group, and its time as a part of that of `time_against`."""
@@ -67,7 +72,7 @@ class MatrixRow(NamedTuple):
 
 
 def answer(
-    study: Study, stored: Stored, pictures: Iterable[Picture], more: Markdown = NOTHING
+    study: Study, stored: Assessment, pictures: Iterable[Picture], more: Markdown = NOTHING
 ) -> Markdown:
     """The decisive `pictures`, question, answers, matrix; on demand what these rest on.
 
@@ -102,11 +107,11 @@ def decisive(study: Study, drawn: Collection[str] | None = None) -> str:
     return min(figures, key=place).key if figures else ""
 
 
-def matrix_rows(stored: Stored) -> list[MatrixRow]:
+def matrix_rows(stored: Assessment) -> list[MatrixRow]:
     """The matrix as data, a row for each model; none for a study whose cases have no peak."""
-    times = {row["label"]: _time(row) for row in stored.rows["cost"]}
+    times = {row["label"]: _time(row) for row in stored.records("cost")}
     cells: dict[str, dict[str, MatrixCell]] = {}
-    for row in stored.rows["matrix"]:
+    for row in stored.records("matrix"):
         cells.setdefault(row["label"], {})[row["group"]] = _cell(row)
     return [MatrixRow(label, by_group, times.get(label, "")) for label, by_group in cells.items()]
 
@@ -116,17 +121,18 @@ def _time(row: Row) -> str:
     return duration(row["seconds"]) if row["label"] == row["against"] else part(row["ratio"])
 
 
-def time_against(stored: Stored) -> str:
+def time_against(stored: Assessment) -> str:
     """The label whose time is that of which the matrix gives parts; empty without times."""
-    return next((row["against"] for row in stored.rows["cost"]), "")
+    return next(iter(stored.tables["cost"]["against"]), "")
 
 
-def matrix(study: Study, stored: Stored) -> Markdown:
+def matrix(study: Study, stored: Assessment) -> Markdown:
     """Answers by group and the matrix of models; nothing for a study whose cases have no peak."""
     rows = matrix_rows(stored)
     if not rows:
         return NOTHING
-    groups = {row["group"]: row for row in stored.rows["matrix"]}
+    judged = stored.tables["matrix"]
+    groups = {row["group"]: row for row in stored.records("matrix")}
     timed, anchored = time_against(stored), choice.anchored(stored)
     rows = _first_ones(study, rows, choice.named(study, stored, groups))
     columns = (
@@ -152,8 +158,8 @@ def matrix(study: Study, stored: Stored) -> Markdown:
         commands=list(_commands(study, labels)),
         collapses=any(cell.collapse for cell in stored.cells.values()),
         others=list(_others(study, stored, labels - set(study.ranked))),
-        static=any(row["quantity"] != PEAK for row in stored.rows["matrix"]),
-        residual=any(row[f"{RESIDUAL}_count"] for row in stored.rows["matrix"]),
+        static=(judged["quantity"] != PEAK).any(),
+        residual=judged[f"{RESIDUAL}_count"].any(),
         timed=timed,
         reasons=list(_reasons(stored, labels)),
     )
@@ -180,13 +186,13 @@ def _commands(study: Study, labels: Collection[str]) -> Iterator[str]:
         yield f"{name} ({', '.join(by_name[name])})"
 
 
-def in_brief(study: Study, stored: Stored) -> Markdown:
+def in_brief(study: Study, stored: Assessment) -> Markdown:
     """The matrix and the verdicts, as they stand on a terminal and in the summary."""
     blocks = literal([results.synthetic(stored), matrix(study, stored), verdicts.in_brief(stored)])
     return before_captions(blocks, results.MARK) if stored.synthetic else blocks
 
 
-def _others(study: Study, stored: Stored, labels: set[str]) -> Iterator[tuple[str, list[str]]]:
+def _others(study: Study, stored: Assessment, labels: set[str]) -> Iterator[tuple[str, list[str]]]:
     """Largest errors beyond `FAIR` in quantities that the matrix does not show."""
     for quantity in [name for name in study.quantities if name not in _JUDGED][:_OTHERS]:
         worst: dict[str, float] = {}
@@ -198,7 +204,7 @@ def _others(study: Study, stored: Stored, labels: set[str]) -> Iterator[tuple[st
             yield title_of(quantity), far
 
 
-def _budgeted(study: Study, stored: Stored, groups: Iterable[str]) -> Markdown:
+def _budgeted(study: Study, stored: Assessment, groups: Iterable[str]) -> Markdown:
     """The total uncertainty of the answer by the model that is to be taken in its group."""
     every = [case.name for case in study.cases]
     by_case: dict[str, str] = {}
@@ -269,7 +275,7 @@ def _tone(row: Row) -> str:
     return "bad" if (far > FAIR and judged) or row["false_alarm"] or row["false_safe"] else "doubt"
 
 
-def _reasons(stored: Stored, labels: set[str]) -> Iterator[str]:
+def _reasons(stored: Assessment, labels: set[str]) -> Iterator[str]:
     """The most frequent warnings about domains: which models, and the worst example."""
     kinds: dict[tuple[str, str], list[tuple[CellState, Finding]]] = {}
     for cell in stored.cells.values():

@@ -8,8 +8,8 @@ from typing import Any
 from workbench.report.page.formatting import in_unit, percent
 from workbench.report.page.markdown import Cell, Markdown, PageColumn, Table
 from workbench.report.page.page import Page
-from workbench.report.stored import Stored
 from workbench.study.assessment.gates import COVERAGE, MODEL_FORM, NUMERICAL, PEAK, SUMS, TOTAL
+from workbench.study.assessor import Assessment
 
 Row = Mapping[str, Any]
 PAGE = Page(__file__)
@@ -19,9 +19,10 @@ _LEAST = 0.05  # of the answer, to which bars reach at least
 _COVERAGE = f"{100 * COVERAGE:g} %"
 
 
-def budgets(stored: Stored, taken: Mapping[str, str]) -> Markdown:
+def budgets(stored: Assessment, taken: Mapping[str, str]) -> Markdown:
     """A sentence on the peak of the first answer with a budget by the model `taken` in its case."""
-    for (case, label, quantity), forms in _groups(stored.rows["budget"], "case", "label").items():
+    groups = _groups(stored.records("budget"), "case", "label")
+    for (case, label, quantity), forms in groups.items():
         if quantity == PEAK and taken.get(case) == label:
             parts = [_interval(rows) for rows in forms]
             names = {"case": case, "label": label, "coverage": _COVERAGE}
@@ -29,7 +30,7 @@ def budgets(stored: Stored, taken: Mapping[str, str]) -> Markdown:
     return Markdown()
 
 
-def budget_tables(stored: Stored) -> Markdown:
+def budget_tables(stored: Assessment) -> Markdown:
     """Each budget in a sentence and every term with its reason; None without a budget."""
     tables = [
         (
@@ -39,7 +40,7 @@ def budget_tables(stored: Stored) -> Markdown:
             [budget_table(f"budget-terms-{number}-{i}", rows) for i, rows in each],
         )
         for number, ((case, label, _), forms) in enumerate(
-            _groups(stored.rows["budget"], "case", "label").items(), 1
+            _groups(stored.records("budget"), "case", "label").items(), 1
         )
         for each in [enumerate(forms, 1)]
     ]

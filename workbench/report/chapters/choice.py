@@ -8,12 +8,12 @@ from workbench.report.chapters.configuration import hit_distance
 from workbench.report.page.formatting import title_of
 from workbench.report.page.markdown import Markdown
 from workbench.report.page.page import Page
-from workbench.report.stored import Stored
+from workbench.responses import ExpectedError
 from workbench.study.assessment.gates import PEAK, RESIDUAL
-from workbench.study.assessor import ERROR
+from workbench.study.assessor import ERROR, Assessment
 from workbench.study.chooser import CORRECTED, SURE
 from workbench.study.definition import Study
-from workbench.study.error_model.error_model import BEYOND, ExpectedError
+from workbench.study.error_model.error_model import BEYOND
 from workbench.study.error_model.error_table import ANCHOR, command_of
 
 FAIR = 0.10  # bound of what may do
@@ -22,31 +22,31 @@ Row = dict[str, Any]
 PAGE = Page(__file__, fair=FAIR, beyond=f"{100 * BEYOND:g}\u2009%")
 
 
-def first(study: Study, stored: Stored, group: str) -> str:
+def first(study: Study, stored: Assessment, group: str) -> str:
     """The model to take in a group of cases; empty without one."""
     return next((row["label"] for row in _sure(study, stored, group)), "")
 
 
-def named(study: Study, stored: Stored, groups: Iterable[str]) -> set[str]:
+def named(study: Study, stored: Assessment, groups: Iterable[str]) -> set[str]:
     """Labels that a reader looks for: to take in a group of cases or nearest there, and anchors."""
     anchors = {label for label, model in study.models.items() if model.name == ANCHOR}
     ranked = (_sure(study, stored, g) or _ranked(study, stored, g).values() for g in groups)
     return anchors | {row["label"] for rows in ranked for row in list(rows)[:1]}
 
 
-def trusted(study: Study, stored: Stored, groups: Iterable[str]) -> Iterator[str]:
+def trusted(study: Study, stored: Assessment, groups: Iterable[str]) -> Iterator[str]:
     """The model to take, else the nearest: a sentence for all groups in which it is the same."""
     alike: dict[tuple[str, str], dict[str, Row | None]] = {}
     for group in groups:
         sure = _sure(study, stored, group)
         text = _unjudged(study, stored, group) or (sure[0]["label"] if sure else "")
         row = next(iter(sure or _ranked(study, stored, group).values()), None)
-        quantity = judged(row or next(_rows(stored, group)))
+        quantity = judged(row or stored.records("matrix", group=group)[0])
         alike.setdefault((text, quantity), {})[group] = row
     for (text, quantity), of_group in alike.items():
         rows = [row for row in of_group.values() if row]
         if not text:
-            open_by = max(row["known"] or 0.0 for group in of_group for row in _rows(stored, group))
+            open_by = stored.tables["matrix"].set_index("group").loc[[*of_group], "known"].max()
             nearest = {row["label"]: row for row in sorted(rows, key=_error)}  # each at its worst
             text = PAGE.words("unsure", nearest=list(nearest.values()), open_by=open_by)
         elif rows and text == rows[0]["label"]:
@@ -61,13 +61,9 @@ def _error(row: Row) -> float:
     return abs(row[f"{PEAK}_worst"]) if within is None else within
 
 
-def _rows(stored: Stored, group: str) -> Iterator[Row]:
-    return (row for row in stored.rows["matrix"] if row["group"] == group)
-
-
-def _unjudged(study: Study, stored: Stored, group: str) -> str:
+def _unjudged(study: Study, stored: Assessment, group: str) -> str:
     """Explanation why the cases of a group judge no model, or rank them all; may be empty."""
-    rows = list(_rows(stored, group))
+    rows = stored.records("matrix", group=group)
     compared = [row for row in rows if row[f"{PEAK}_count"]]
     if any(row["synthetic"] for row in rows):
         return PAGE.words("synthetic")
@@ -78,13 +74,13 @@ def _unjudged(study: Study, stored: Stored, group: str) -> str:
     nearest = next(iter(_ranked(study, stored, group).values()), None)
     if nearest and all(row["against_outside"] == row[f"{PEAK}_count"] for row in compared):
         return PAGE.words("no_reference", nearest=nearest)
-    rival = [row for row in stored.rows["ranking"] if row["group"] == group]
+    rival = stored.records("ranking", group=group)
     if rival and not _sure(study, stored, group):
         return best_ranked(rival, stored.costs)
     return ""
 
 
-def details(study: Study, stored: Stored, group: str, row: Row) -> str:
+def details(study: Study, stored: Assessment, group: str, row: Row) -> str:
     """Against what a group is judged, a `row` of it, and the rest on the model to take."""
     sure = _sure(study, stored, group)
     best = sure[0] if sure else None
@@ -105,7 +101,7 @@ def judged(row: Row) -> str:
     return "peak" if row["quantity"] == PEAK else title_of(row["quantity"]).lower()
 
 
-def _ranked(study: Study, stored: Stored, group: str) -> dict[str, Row]:
+def _ranked(study: Study, stored: Assessment, group: str) -> dict[str, Row]:
     """Models that answered all cases and no collapse wrongly, the one to take first.
 
     Inside their domain before others; by whole percents, then by what remains and by the time.
@@ -113,9 +109,8 @@ def _ranked(study: Study, stored: Stored, group: str) -> dict[str, Row]:
     costs = stored.costs
     rows = {
         row["label"]: row
-        for row in stored.rows["matrix"]
-        if row["group"] == group
-        and row["label"] not in study.ranked
+        for row in stored.records("matrix", group=group)
+        if row["label"] not in study.ranked
         and row[f"{PEAK}_count"]
         and row[f"{PEAK}_count"] + row["collapsed"] == row["asked"]
         and not any(row[name] for name in ("false_alarm", "false_safe", "synthetic"))
@@ -131,7 +126,7 @@ def _ranked(study: Study, stored: Stored, group: str) -> dict[str, Row]:
     return dict(sorted(rows.items(), key=place))
 
 
-def _sure(study: Study, stored: Stored, group: str) -> list[Row]:
+def _sure(study: Study, stored: Assessment, group: str) -> list[Row]:
     """Models within `FAIR` with what is open, they and the reference in their domains.
 
     The anchor of the error model comes first: where it is within, nothing else is to choose.
@@ -146,7 +141,7 @@ def _sure(study: Study, stored: Stored, group: str) -> list[Row]:
     return sorted(sure, key=lambda row: study.models[row["label"]].name != ANCHOR)
 
 
-def _expected(study: Study, stored: Stored, group: str, label: str) -> Row:
+def _expected(study: Study, stored: Assessment, group: str, label: str) -> Row:
     """The error to expect of a label, in words, in the least certain `case`."""
     names = study.groups.get(group, [case.name for case in study.cases])
     chances = [
@@ -169,12 +164,12 @@ def best_ranked(rows: list[Row], costs: dict[str, float]) -> str:
     return PAGE.words("ranked", best=best, equal=equal, cost=costs.get(best["label"]))
 
 
-def anchored(stored: Stored) -> Markdown:
+def anchored(stored: Assessment) -> Markdown:
     """Take the anchor; when not, why: over the drawn scenarios of a study that measures it."""
-    cells = stored.rows["error-cells"]
+    cells = stored.records("error-cells")
     if not cells:
         return Markdown()
-    anchor, ways = cells[0]["anchor"], {row["way"]: row for row in stored.rows["chooser"]}
+    anchor, ways = cells[0]["anchor"], {row["way"]: row for row in stored.records("chooser")}
     totals = {name: sum(row[name] for row in cells) for name in ("count", "held")}
     return PAGE.blocks(
         "anchored",
@@ -185,13 +180,13 @@ def anchored(stored: Stored) -> Markdown:
     )
 
 
-def error_model(stored: Stored) -> Markdown:
+def error_model(stored: Assessment) -> Markdown:
     """Section on the error model: coverage of intervals, error and cost of ways to choose."""
     return PAGE.blocks(
-        "error_model", coverage=stored.rows["coverage"], chooser=stored.rows["chooser"]
+        "error_model", coverage=stored.tables["coverage"], chooser=stored.tables["chooser"]
     )
 
 
-def ranking(stored: Stored) -> Markdown:
+def ranking(stored: Assessment) -> Markdown:
     """All models of every large group, the best first."""
-    return PAGE.blocks("ranking", rows=stored.rows["ranking"])
+    return PAGE.blocks("ranking", rows=stored.tables["ranking"])

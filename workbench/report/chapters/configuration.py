@@ -14,8 +14,8 @@ from workbench.report.page.bibliography import cited
 from workbench.report.page.formatting import brief, several
 from workbench.report.page.markdown import Markdown, listing
 from workbench.report.page.page import Page
-from workbench.report.stored import Stored
 from workbench.scenarios import ColumnImpact, Frame, FrameImpact, Striker, to_toml
+from workbench.study.assessor import Assessment
 from workbench.study.cells import differences
 from workbench.study.definition import Case, Study
 
@@ -134,7 +134,7 @@ def _values(values: Sequence[float], factor: float, unit: str) -> str:
     return f"{join.join(map(brief, ends))} {unit}".strip()
 
 
-def configuration(study: Study, stored: Stored) -> Markdown:
+def configuration(study: Study, stored: Assessment) -> Markdown:
     """Models with options and assumptions, cases as TOML, provenance."""
     first: dict[str, Case] = {}
     for case in study.cases:

@@ -10,9 +10,9 @@ import pandas as pd
 from workbench.report.page.formatting import several, valued
 from workbench.report.page.markdown import Cell, Markdown, PageColumn, Table
 from workbench.report.page.page import Page
-from workbench.report.stored import Stored
 from workbench.responses import Outcome
 from workbench.responses.outcome import WARNING
+from workbench.study.assessor import Assessment
 from workbench.study.definition import Study
 from workbench.study.store import NOT_RUN
 
@@ -44,7 +44,7 @@ def _groups(cells_of_kind: pd.DataFrame, *kind: str) -> list[dict[str, Any]]:
     return rows
 
 
-def missing(study: Study, stored: Stored) -> Markdown:
+def missing(study: Study, stored: Assessment) -> Markdown:
     """Cells without an answer, grouped by what happened, and what was not asked."""
     cells = pd.DataFrame(map(vars, stored.cells.values()))
     silent = cells[~cells["outcome"].isin([Outcome.OK, Outcome.COLLAPSE])]
@@ -63,13 +63,13 @@ def missing(study: Study, stored: Stored) -> Markdown:
     )
 
 
-def collapses(stored: Stored) -> Markdown:
+def collapses(stored: Assessment) -> Markdown:
     """Where structures do not survive: an answer, with its mechanism, time and place."""
     collapsed = [cell for cell in stored.cells.values() if cell.collapse is not None]
     return PAGE.blocks("collapses", collapsed=collapsed, cells=len(stored.cells))
 
 
-def domain(study: Study, stored: Stored) -> Markdown:
+def domain(study: Study, stored: Assessment) -> Markdown:
     """Warnings of the models, and the shear demand of every case."""
     findings = stored.tables["findings"]
     shear: dict[str, dict[str, float]] = {}

@@ -1,9 +1,10 @@
 """Models over tests, tables of numbers, how well the reference is known, what answers cost."""
 
-import json
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import Any
+
+import pandas as pd
 
 from workbench.report.page.formatting import (
     axis_label,
@@ -18,13 +19,12 @@ from workbench.report.page.formatting import (
 )
 from workbench.report.page.markdown import ABSENT, Cell, Markdown, PageColumn, Picture, Table
 from workbench.report.page.page import Page
-from workbench.report.stored import BEST, Stored
-from workbench.responses import Outcome
+from workbench.responses import Outcome, attribute
 from workbench.responses.uncertainty import sampled_interval
 from workbench.study.assessment import METRICS, Scope
-from workbench.study.assessor import width_of
+from workbench.study.assessor import BEST, Assessment, width_of
 from workbench.study.definition import DATA, Study, holds_data
-from workbench.study.tables import rows_of
+from workbench.study.tables import Row
 from workbench.study.validation import MEASURED
 
 MARK = "SYNTHETIC, no tests: "  # before every caption of a report that shows made numbers
@@ -36,12 +36,12 @@ _MEASURED = (*DATA, "stud-measured")
 _BEAMS = ("fiber-reissner", "fiber-corotational", "fiber-shear")
 
 
-def synthetic(stored: Stored) -> Markdown:
+def synthetic(stored: Assessment) -> Markdown:
     """Callout of a study whose numbers are made, not measured."""
     return PAGE.blocks("synthetic") if stored.synthetic else Markdown()
 
 
-def footnote(study: Study, stored: Stored) -> Markdown:
+def footnote(study: Study, stored: Assessment) -> Markdown:
     """Remark under a study of impacts without a single test."""
     struck = any(hasattr(case.scenario, "striker") for case in study.cases)
     return (
@@ -55,13 +55,14 @@ def _tests(study: Study) -> list[str]:
     return [label for label, model in study.models.items() if model.name == MEASURED]
 
 
-def validation(study: Study, stored: Stored) -> Markdown:
+def validation(study: Study, stored: Assessment) -> Markdown:
     """Bias, scatter and coverage over tests, and the sources of the tests; None without tests."""
-    rows = stored.rows["validation"]
-    return PAGE.blocks("validation", rows=rows, sources=_sources(study, stored) if rows else [])
+    rows = stored.tables["validation"]
+    sources = _sources(study, stored) if len(rows) else []
+    return PAGE.blocks("validation", rows=rows, sources=sources)
 
 
-def _sources(study: Study, stored: Stored) -> list[dict[str, Any]]:
+def _sources(study: Study, stored: Assessment) -> list[dict[str, Any]]:
     """Data sets of the tests, as stored with the answers, and how many tests each gave."""
     datasets: dict[str, dict[str, Any]] = {}
     for case in study.cases:
@@ -69,26 +70,26 @@ def _sources(study: Study, stored: Stored) -> list[dict[str, Any]]:
             response = stored.response(case.name, label)
             if response is None:
                 continue
-            given = json.loads(response.attrs["data"])
+            given = attribute(response, "data")
             for entry in given["datasets"]:
                 known = datasets.setdefault(entry["name"], {**entry, "tests": 0})
                 known["tests"] += len(given["tests"])
     return list(datasets.values())
 
 
-def numbers(study: Study, stored: Stored) -> Markdown:
+def numbers(study: Study, stored: Assessment) -> Markdown:
     """Values and deviations of every quantity, curve and history metrics, bias and scatter."""
     tables = {quantity: _values(study, stored, quantity) for quantity in study.quantities}
     return PAGE.blocks(
         "numbers",
         values=[table for table in tables.values() if table is not None],
         shapes=list(_shapes(study, stored)),
-        bias=[] if stored.rows["matrix"] else stored.rows["bias"],  # the matrix says more
+        bias=[] if len(stored.tables["matrix"]) else stored.tables["bias"],  # the matrix says more
         silent=[title_of(quantity) for quantity, table in tables.items() if table is None],
     )
 
 
-def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
+def _values(study: Study, stored: Assessment, quantity: str) -> Table | None:
     values = stored.values(quantity)
     if not values:
         return None
@@ -122,13 +123,13 @@ def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
     return Table.of(f"values-{quantity}", caption, columns, rows, _PRINTED)
 
 
-def _interval(metric: str, row: dict[str, Any]) -> str:
+def _interval(metric: str, row: Row) -> str:
     """The value of a comparison with what is known of its uncertainty."""
     ends = row.get("low"), row.get("high")
     return interval(metric, row["quantity"], row["error"], row["uncertainty"], *ends, unknown="")
 
 
-def _sampled(stored: Stored, case: str, label: str, quantity: str) -> str:
+def _sampled(stored: Assessment, case: str, label: str, quantity: str) -> str:
     """Value and interval of a quantity that is a statistic of tests."""
     response = stored.response(case, label)
     ends = None if response is None else sampled_interval(response, quantity)
@@ -137,13 +138,13 @@ def _sampled(stored: Stored, case: str, label: str, quantity: str) -> str:
     return f"{value} ({' to '.join(known)})" if known else value
 
 
-def _shapes(study: Study, stored: Stored) -> Iterator[Table]:
+def _shapes(study: Study, stored: Assessment) -> Iterator[Table]:
     """Metrics of histories and curves against the reference."""
     for scope, word in ((Scope.HISTORY, "Histories"), (Scope.CURVE, "Curves")):
         metrics = [name for name, metric in METRICS.items() if metric.scope is scope]
         rows: dict[tuple[str, str, str], dict[str, dict[str, Any]]] = {}
-        for row in stored.rows["comparisons"]:
-            if row["against"] == study.reference and row["metric"] in metrics:
+        for row in stored.records("comparisons", against=study.reference):
+            if row["metric"] in metrics:
                 key = row["case"], row["model"], row["quantity"]
                 rows.setdefault(key, {})[row["metric"]] = row
         if not rows:
@@ -173,10 +174,10 @@ def _metric(metric: str, pair: tuple[Any, dict[str, dict[str, Any]]]) -> Cell:
     return ABSENT if row is None else Cell(_interval(metric, row), row["error"])
 
 
-def convergence(study: Study, stored: Stored, figures: Iterable[Picture]) -> Markdown:
+def convergence(study: Study, stored: Assessment, figures: Iterable[Picture]) -> Markdown:
     """How well the reference is known: the table of its ladder and the figures that show it."""
     name = study.models[study.reference].name
-    rows = [row for row in stored.rows["ladder"] if _has_level(study, stored, row)]
+    rows = [row for row in stored.records("ladder") if _has_level(study, stored, row)]
     return PAGE.blocks(
         "convergence",
         reference=study.reference,
@@ -190,7 +191,7 @@ def convergence(study: Study, stored: Stored, figures: Iterable[Picture]) -> Mar
     )
 
 
-def _has_level(study: Study, stored: Stored, row: dict[str, Any]) -> bool:
+def _has_level(study: Study, stored: Assessment, row: dict[str, Any]) -> bool:
     """Whether a row of the ladder is shown: it has values, or a level should have answered."""
     return any(row[label] is not None for label in study.steps) or any(
         stored.expects(row["case"], label) and not stored.ok(row["case"], label)
@@ -215,7 +216,7 @@ def _ladder_columns(study: Study) -> Iterator[PageColumn]:
     yield PageColumn("note", width=2.4, of=lambda row: Cell(row["note"], tone="muted"))
 
 
-def cost(study: Study, stored: Stored, figures: Iterable[Picture]) -> Markdown:
+def cost(study: Study, stored: Assessment, figures: Iterable[Picture]) -> Markdown:
     """Wall times per model and the figures that set them against errors."""
     return PAGE.blocks(
         "cost",
@@ -225,7 +226,7 @@ def cost(study: Study, stored: Stored, figures: Iterable[Picture]) -> Markdown:
     )
 
 
-def _times(study: Study, stored: Stored) -> list[dict[str, Any]]:
+def _times(study: Study, stored: Assessment) -> pd.DataFrame:
     """Wall times (s) by label and kind of scenario: whole answers, and the median of solving."""
     cells = stored.tables["cells"]
     kinds = {case.name: case.scenario.KIND for case in study.cases}
@@ -235,4 +236,4 @@ def _times(study: Study, stored: Stored) -> list[dict[str, Any]]:
     times = whole["wall_time"].agg(["count", "min", "median", "max"])
     times["solving"] = whole["solve_time"].median()
     order = [(label, kind) for label in labels for kind in dict.fromkeys(kinds.values())]
-    return rows_of(times.reindex([key for key in order if key in times.index]).reset_index())
+    return times.reindex([key for key in order if key in times.index]).reset_index()

@@ -10,11 +10,11 @@ import pandas as pd
 from workbench.report.chapters.studs import page, records
 from workbench.report.page.formatting import number
 from workbench.report.page.markdown import Markdown, section
-from workbench.report.stored import Stored
 from workbench.responses import Finding, findings_of
 from workbench.scenarios import StudTests
 from workbench.studs.fit_protocol import Tables, stacked
 from workbench.studs.model import tables_of
+from workbench.study.assessor import Assessment
 from workbench.study.definition import Study
 
 _NEAR = 1e-3  # m, in diameter: such a stud
@@ -40,7 +40,7 @@ class StoredStudAnswer(NamedTuple):
         return records(self.tables["fit"])[0] if "fit" in self.tables else {}
 
 
-def answers(study: Study, stored: Stored) -> Iterator[StoredStudAnswer]:
+def answers(study: Study, stored: Assessment) -> Iterator[StoredStudAnswer]:
     """Every stored answer to a question on studs."""
     for case in study.cases:
         if not isinstance(case.scenario, StudTests):
@@ -52,7 +52,7 @@ def answers(study: Study, stored: Stored) -> Iterator[StoredStudAnswer]:
                 yield StoredStudAnswer(case.name, label, case.scenario.asked, tables, findings)
 
 
-def in_short(study: Study, stored: Stored) -> Markdown:
+def in_short(study: Study, stored: Assessment) -> Markdown:
     """Summary of studs: what is not validated, then a sentence on each question; may be empty.
 
     A usual stud by the code, the formula to take, unseen tests, what is left after damage, laws.
@@ -60,7 +60,7 @@ def in_short(study: Study, stored: Stored) -> Markdown:
     return _answer("in_short", study, stored)
 
 
-def _answer(part: str, study: Study, stored: Stored) -> Markdown:
+def _answer(part: str, study: Study, stored: Assessment) -> Markdown:
     """The answers in short, or `part` in_full: on what they rest and what no test tells."""
     every = list(answers(study, stored))
     if not every:
@@ -140,7 +140,7 @@ def _same(every: list[StoredStudAnswer]) -> Iterator[tuple[str, str]]:
                 yield each.label, other.label
 
 
-def design(study: Study, stored: Stored) -> Markdown:
+def design(study: Study, stored: Assessment) -> Markdown:
     """Tables of D.8, Annex B, campaigns left out, load-slip parameters and what is left."""
     every = list(answers(study, stored))
     formulas = _largest([each for each in every if "d8" in each.tables], "tests")

@@ -8,17 +8,17 @@ from workbench.report.page.bibliography import cited
 from workbench.report.page.formatting import interval, metric_title, metric_value, spans
 from workbench.report.page.markdown import Cell, Markdown, literal
 from workbench.report.page.page import Page
-from workbench.report.stored import Stored
 from workbench.study.assessment import Verdict
+from workbench.study.assessor import Assessment
 
 TONES = {verdict.value: "doubt" for verdict in Verdict} | {"pass": "good", "fail": "bad"}
 _PRINTED = 30
 Row = dict[str, Any]
 
 
-def verdicts(stored: Stored) -> Markdown:
+def verdicts(stored: Assessment) -> Markdown:
     """How the gates ended, one line each, why they are open and bounded so, and every case."""
-    rows, cases = stored.rows["verdicts"], stored.rows["gates"]
+    rows, cases = stored.records("verdicts"), stored.records("gates")
     return PAGE.blocks(
         "verdicts",
         headline=headline(rows),
@@ -29,9 +29,9 @@ def verdicts(stored: Stored) -> Markdown:
     )
 
 
-def in_brief(stored: Stored) -> Markdown:
+def in_brief(stored: Assessment) -> Markdown:
     """The verdicts without the reasons for the bounds."""
-    rows = stored.rows["verdicts"]
+    rows = stored.records("verdicts")
     return literal([headline(rows), summary_table(rows), reasons(rows, bounds=False)])
 
 

@@ -33,9 +33,9 @@ from workbench.report.drawing.style import (
     settle,
 )
 from workbench.report.page.formatting import axis_label, unit_of
-from workbench.report.stored import Stored
 from workbench.responses import Response
 from workbench.study.assessment.gates import PEAK
+from workbench.study.assessor import Assessment
 from workbench.study.definition import Case, Figure, Study
 
 T = TypeVar("T")
@@ -53,7 +53,7 @@ class Request:
 
     study: Study
     figure: Figure
-    stored: Stored
+    stored: Assessment
     cases: tuple[Case, ...]
     labels: tuple[str, ...]
     looks: Mapping[str, Look]

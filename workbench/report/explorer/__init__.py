@@ -37,7 +37,7 @@ from markupsafe import Markup
 from matplotlib.ticker import MaxNLocator
 
 from workbench.report.chapters import answer, results
-from workbench.report.chapters.answer import GOOD, MatrixCell, matrix_rows, time_against
+from workbench.report.chapters.answer import GOOD, matrix_rows, time_against
 from workbench.report.chapters.choice import FAIR
 from workbench.report.drawing.frame import DIRECTIONS, frame_scenario_of
 from workbench.report.drawing.shapes import REST, YIELDING, magnification, rest_lines
@@ -57,11 +57,10 @@ from workbench.report.figures.curves import PARTS
 from workbench.report.page.documents import STYLE, templates
 from workbench.report.page.formatting import count
 from workbench.report.page.reading import callouts
-from workbench.report.stored import CellState, Stored
 from workbench.scenarios import FrameImpact
-from workbench.study.chooser import ALL, against_governing
+from workbench.study.assessor import BEST, Assessment, CellState
+from workbench.study.chooser import ALL
 from workbench.study.definition import Case, Study
-from workbench.study.tables import rows_of
 
 FILE = "explorer.html"
 LARGEST = 6_500_000  # bytes of a page, of which BokehJS takes 1.7 million
@@ -75,7 +74,7 @@ _MOST_NAMES = 8  # cases that an axis names; more are counted
 Rows = list[dict[str, Any]]
 
 
-def explorer(study: Study, stored: Stored, largest: int = LARGEST) -> str | None:
+def explorer(study: Study, stored: Assessment, largest: int = LARGEST) -> str | None:
     """HTML of the explorer from stored results, None for a study without histories or curves.
 
     `largest`, bytes that the page may take: curves are thinned until they fit, or are as rough as
@@ -94,11 +93,6 @@ def explorer(study: Study, stored: Stored, largest: int = LARGEST) -> str | None
     shown = {
         **{"study": study, "title": title, "made": made, "matrix": matrix, "models": models},
         **{"heads": list(dict.fromkeys(group for row in matrix for group in row.cells))},
-        **{
-            "words": {
-                (row.label, head): _words(c) for row in matrix for head, c in row.cells.items()
-            }
-        },
         **{"left": len(study.cases) - len(cases), "counted": count(len(cases), "case")},
         **{"plane": plane, "moves": moves, "timed": time_against(stored), "roots": roots},
         **{"plots": _escaped(drawn), "bokeh": Markup(bokeh_script())},
@@ -164,11 +158,9 @@ class _CaseOfPage(NamedTuple):
         }
 
 
-def _cases(study: Study, stored: Stored, plane: Plane) -> Iterator[_CaseOfPage]:
-    governing = {row["case"]: row for row in stored.rows["references"] if row.get("label")}
-    errors: dict[tuple[str, str], dict[str, Any]] = {}
-    for row in rows_of(against_governing(stored.tables).reset_index()):
-        errors.setdefault((row["case"], row["model"]), {})[row["quantity"]] = row
+def _cases(study: Study, stored: Assessment, plane: Plane) -> Iterator[_CaseOfPage]:
+    governing = {row["case"]: row for row in stored.records("references") if row["label"]}
+    errors = {q: stored.errors(q, "relative_error", BEST) for q in plane.numbers}
     for case in study.cases:
         if plane is HISTORIES and case.scenario.STATIC is not False:
             continue
@@ -183,7 +175,8 @@ def _cases(study: Study, stored: Stored, plane: Plane) -> Iterator[_CaseOfPage]:
             response = stored.response(case.name, label, keep=False)
             band = label == reference.get("label")
             record = None if response is None else record_of(case, response, band=band)
-            compared = errors.get((case.name, label), {})
+            cell = case.name, label
+            compared = {q: known[cell] for q, known in errors.items() if cell in known}
             numbers = numbers_of(state, response, compared, plane, best=best, sure=sure)
             answers.append(_Answer(state, numbers, record))
         yield _CaseOfPage(case, reference, tuple(answers))
@@ -219,10 +212,6 @@ def _structure(case: Case, answers: Sequence[_Answer]) -> dict[str, Any]:
         "times": magnification(largest, shapes[0].size) if shapes else 1.0,
         **hit,
     }
-
-
-def _words(cell: MatrixCell) -> str:
-    return "; ".join(filter(None, (cell.statement, cell.ends, cell.details)))
 
 
 def _models(study: Study) -> Rows:

@@ -3,7 +3,6 @@
 Curves are thinned and rounded to whole numbers of 16 bits.
 """
 
-import json
 from base64 import b64encode
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -19,11 +18,18 @@ from workbench.report.drawing.shapes import YIELDS, Points, Shapes, shapes_of
 from workbench.report.drawing.sheet import evenly, thinned
 from workbench.report.figures.curves import ledger
 from workbench.report.page.formatting import duration, in_unit, interval
-from workbench.report.stored import CellState
 from workbench.responses import Outcome, Response
-from workbench.responses.uncertainty import directions_of, estimate, uncertainty_of, variants
+from workbench.responses.uncertainty import (
+    DATA_WIDTHS,
+    SAMPLE_WIDTHS,
+    directions_of,
+    estimate,
+    uncertainty_of,
+    variants,
+)
 from workbench.scenarios import ColumnImpact, FrameImpact
 from workbench.study.assessment.gates import PEAK, RESIDUAL
+from workbench.study.assessor import CellState
 from workbench.study.definition import DATA, Case
 
 MEDIAN = "velocity.at_50"  # of a fragility curve
@@ -275,10 +281,9 @@ def _width(response: Response | None, quantity: str) -> tuple[float | None, str]
         return 0.0, ""
     if directions_of(response):
         return uncertainty_of(response, quantity), "numerical"
-    for kind in ("data", "sampling"):
-        stated: float = json.loads(response.attrs.get(f"{kind}_uncertainty", "{}")).get(quantity, 0)
-        if stated:
-            return stated, kind
+    for kind, words in ((DATA_WIDTHS, "data"), (SAMPLE_WIDTHS, "sampling")):
+        if stated := uncertainty_of(response, quantity, kind):
+            return stated, words
     return 0.0, ""
 
 

@@ -51,7 +51,7 @@ from workbench.report.page.formatting import (
     title_of,
     unit_of,
 )
-from workbench.report.stored import BEST
+from workbench.study.assessor import BEST
 from workbench.study.chooser import CORRECTED, REACH, SURE
 from workbench.study.definition import Case, holds_data
 
@@ -242,7 +242,7 @@ def cost(request: Request) -> Drawing:
 
 def choices(request: Request) -> Drawing:
     """Nine of ten errors of the peak lie below the marks; down and left is better."""
-    rows = [row for row in request.stored.rows["chooser"] if row["seconds"]]
+    rows = [row for row in request.stored.records("chooser") if row["seconds"]]
     if not rows:
         return nothing("No drawn scenario has been judged.")
     sheet = Sheet.table(1, 1, 3.9)
@@ -255,7 +255,7 @@ def choices(request: Request) -> Drawing:
             look, chosen = Look(INK, marker=_WAYS[chosen], size=7.0, order=5.0), chosen + 1
         panel.plot(*place, **look.points())
         sheet.legend(entry(way, **look.points()))
-        if way in (request.stored.rows["error-cells"][0]["anchor"], CORRECTED, SURE):
+        if way in (request.stored.tables["error-cells"]["anchor"].iloc[0], CORRECTED, SURE):
             path.append(place)
         sheet.record(way=way, mean_seconds=row["seconds"], reach=row["reach"], within=row["within"])
     panel.plot(*zip(*path, strict=True), color=INK, linewidth=1.0, zorder=2)

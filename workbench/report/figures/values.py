@@ -21,7 +21,6 @@ shear-free label, default the reference), `tolerance` (default 0.05), `group` (c
 tells the series of a model apart).
 """
 
-import json
 import textwrap
 from typing import Any
 
@@ -37,7 +36,8 @@ from workbench.report.drawing.frame import frame_scenario_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, first, nothing
 from workbench.report.drawing.style import GRID, INK, MUTED, PALETTE, WARNING, Style, entry, framed
 from workbench.report.page.formatting import axis_label, in_unit, number, title_of, unit_of
-from workbench.responses.uncertainty import uncertainty_of
+from workbench.responses import attribute
+from workbench.responses.uncertainty import DATA_WIDTHS, uncertainty_of
 from workbench.steel.hinges import ShearSurface, has_webs
 from workbench.steel.hinges.interaction import ANGLES, RULES, radial_error, radius
 from workbench.study.assessment.gates import COVERAGE, PEAK, SUMS
@@ -149,7 +149,8 @@ def _values(request: Request, cases: list[Case], quantity: str) -> pd.DataFrame:
         for label in request.labels:
             value = request.number(case, label, quantity)
             if value is not None:
-                width = request.stored.data_uncertainty(case.name, label, quantity)
+                answer = request.stored.response(case.name, label)
+                width = None if answer is None else uncertainty_of(answer, quantity, DATA_WIDTHS)
                 row = compared.get((case.name, label), {})
                 deviation = row.get("error"), row.get("uncertainty")
                 rows.append((case.name, label, value, width, *deviation, slot))
@@ -236,9 +237,9 @@ def _pairs(request: Request, label: str) -> pd.DataFrame:
         answer = request.stored.response(case.name, label)
         if test is None or answer is None or None in values:
             continue
-        test_width = request.stored.data_uncertainty(case.name, request.against, request.quantity)
+        test_width = uncertainty_of(test, request.quantity, DATA_WIDTHS)
         prediction_width = uncertainty_of(answer, request.quantity)
-        campaign = json.loads(test.attrs.get("data", "{}")).get("campaign", "all")
+        campaign = attribute(test, "data").get("campaign", "all")
         rows.append(
             (label, case.name, campaign, *values, test_width or 0.0, prediction_width or 0.0)
         )
@@ -248,12 +249,11 @@ def _pairs(request: Request, label: str) -> pd.DataFrame:
 
 def _summary(request: Request, label: str) -> tuple[str, str]:
     """Return the note in the panel and the sentence below the figure."""
-    wanted = (label, request.against, request.quantity)
-    rows = request.stored.rows["validation"]
-    matching = (r for r in rows if (r["model"], r["against"], r["quantity"]) == wanted)
-    row = next(matching, None)
-    if row is None or row["bias"] is None:
+    wanted = {"model": label, "against": request.against, "quantity": request.quantity}
+    rows = request.stored.records("validation", **wanted)
+    if not rows or rows[0]["bias"] is None:
         return "", f"{label}: no bias over tests."
+    row = rows[0]
     ends = row["low"], row["high"]
     span = "" if None in ends else f" ({number(ends[0], 3)} to {number(ends[1], 3)})"
     held = f"{row['covered']:.0f} of {row['counted']:.0f}"
@@ -269,9 +269,8 @@ def budget(request: Request) -> Drawing:
     """Bars of every source of error, as changes of the answer."""
     quantity = str(request.option("quantity", PEAK))
     panels: dict[str, list[dict[str, Any]]] = {}
-    for row in request.stored.rows["budget"]:
-        named = request.option("case", row["case"])
-        if row["quantity"] == quantity and row["case"] == named and row["label"] in request.labels:
+    for row in request.stored.records("budget", quantity=quantity):
+        if row["label"] in request.labels and row["case"] == request.option("case", row["case"]):
             rows = panels.setdefault(row["label"], [])
             if not rows or rows[0]["form"] == row["form"]:
                 rows.append(row)

@@ -14,9 +14,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from markupsafe import Markup
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Markdown: TypeAlias = Markup
 
@@ -181,11 +184,12 @@ class Table:
         key: str,
         caption: str,
         columns: Iterable[PageColumn] | Mapping[str, Any],
-        records: Iterable[Any],
+        records: Iterable[Any] | pd.DataFrame,
         limit: int | None = None,
     ) -> Table:
         """A table with one row for each record, its cells as the columns find them.
 
+        A data frame is read by its rows, in which numbers that are not known are None.
         Columns may be given by title, with where they find their cells; they are numeric where
         all their cells are absent or have a value to sort by.
         """
@@ -194,7 +198,12 @@ class Table:
             listed += (PageColumn(title, of=of) for title, of in columns.items())
         else:
             listed += columns
-        rows = tuple(tuple(column.cell(record) for column in listed) for record in records)
+        listing: Any = records
+        if hasattr(listing, "itertuples"):
+            from workbench.study.tables import rows_of
+
+            listing = rows_of(listing)
+        rows = tuple(tuple(column.cell(record) for column in listed) for record in listing)
         heads = [replace(column, of="") for column in listed]
         if isinstance(columns, Mapping):
             cells = zip(*rows, strict=True) if rows else [()] * len(heads)

@@ -103,8 +103,8 @@ def _table(
     limit: int | None = None,
     caller: Callable[[], str] = str,
 ) -> Markdown:
-    """A table of rows, the text of a call block its caption; nothing without a row."""
-    return literal(Table.of(key, caller(), columns, rows, limit) if rows else None)
+    """A table of rows or a frame, the text of a call block its caption; nothing without a row."""
+    return literal(Table.of(key, caller(), columns, rows, limit) if len(rows) else None)
 
 
 def _captioned(table: Table | None, caller: Callable[[], str]) -> Markdown:

@@ -14,7 +14,7 @@ was measured with the meshes and steps of the models and so contains the numeric
 stated by itself and not added. Where a part is not known there is no total.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from math import exp, expm1, inf, isinf, log, log1p, sqrt
@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 
 from workbench.base.arrays import Array
 from workbench.base.errors import InputError
+from workbench.responses import ExpectedError
 from workbench.study.error_model.error_model import PEAK as PEAK
 from workbench.study.error_model.error_model import RESIDUAL as RESIDUAL
 from workbench.study.error_model.error_table import COVERAGE as COVERAGE
@@ -354,22 +355,24 @@ def _joined(terms: Sequence[Term], side: str) -> float:
     return inf if inf in widths else sqrt(sum(width**2 for width in widths))
 
 
-def model_form(error: Mapping[str, Any], quantity: str, value: float) -> Term:
-    """Term of the model form, from the `error` to expect of an answer (fields of `ExpectedError`).
+def model_form(error: ExpectedError | None, quantity: str, value: float) -> Term:
+    """Term of the model form, from the `error` to expect of an answer; None: it has no advice.
 
     Of the peak the error is expected, of the residual displacement `value` the ends are known.
     """
-    reason = str(error.get("reason", "not estimated with this answer"))
-    ends = error.get("residual") or (0.0,)
+    if error is None:
+        error = ExpectedError("", reason="not estimated with this answer")
+    reason, source = error.reason, f"through {error.anchor}"
+    ends = error.residual or (0.0,)
     if quantity == RESIDUAL and ends[0] > 0.0:
         low, high = (log(end / value) for end in ends)
         half = 0.5 * (high - low)
         text = "ends alone, by the residual displacement of the anchor"
-        return Term(MODEL_FORM, text, f"through {error['anchor']}", low + half, half, half)
+        return Term(MODEL_FORM, text, source, low + half, half, half)
     if quantity != PEAK:
         reason = f"not measured of the {quantity.replace('_', ' ')}"
-    elif error.get("expected") is not None:
-        off, least, most = (log1p(error[name]) for name in ("expected", "low", "high"))
-        reason = f"{error['count']} drawn scenarios, {error['cell']}"
-        return Term(MODEL_FORM, reason, f"through {error['anchor']}", -off, most - off, off - least)
+    elif error.expected is not None:
+        off, least, most = (log1p(getattr(error, name)) for name in ("expected", "low", "high"))
+        reason = f"{error.count} drawn scenarios, {error.cell}"
+        return Term(MODEL_FORM, reason, source, -off, most - off, off - least)
     return Term(MODEL_FORM, reason, "", 0.0, None, None)

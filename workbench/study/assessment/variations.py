@@ -7,7 +7,6 @@ and one of the real column, whose steel has the law of the grade with the neares
 Hardening is no term: beside a rate it is worth little, and both effects do not add.
 """
 
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -18,7 +17,7 @@ from workbench.base.errors import InputError
 from workbench.base.fields import Number, check_keys
 from workbench.models.base import on_one_mesh
 from workbench.models.strain_rate import with_rate
-from workbench.responses import Response, survives
+from workbench.responses import Response, error_of, survives
 from workbench.responses.uncertainty import WIDTHS, uncertainty_of
 from workbench.scenarios import ColumnImpact
 from workbench.steel.materials import GRADES, CowperSymonds
@@ -154,7 +153,7 @@ class Budget:
         known there is no total. The strain rate is a part where the steel has a law.
         """
         peak = _value(answer, PEAK)
-        error = json.loads(answer.attrs.get("error", "{}"))
+        error = error_of(answer) if "error" in answer.attrs else None
         by_quantity = {}
         for quantity in (PEAK, RESIDUAL):
             value = _value(answer, quantity)

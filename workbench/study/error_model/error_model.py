@@ -12,7 +12,6 @@ only where it is inside its own domain, and only above the model that warns, so 
 in a circle. Where the error was measured it stands in place of what a domain says about physics.
 """
 
-import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
@@ -30,13 +29,16 @@ from workbench.models.base import Model, findings_before, make_model, options_of
 from workbench.models.resistance import column_curve
 from workbench.models.strain_rate import feels_rate, steel_of, with_strain_rate
 from workbench.responses import (
+    ExpectedError,
     Finding,
     Outcome,
     Response,
+    attribute,
     finding,
     findings_of,
     outcome_of,
     refusal_message,
+    set_attributes,
     set_findings,
     survives,
 )
@@ -53,55 +55,10 @@ from workbench.study.error_model.error_table import (
 )
 
 BEYOND = 0.10  # an error of the peak that matters
-WARNED = 0.10  # chance of it from which an answer is warned of
 FASTER = 1.05  # times the velocity or force, to see whether a collapse is near
 HANGS = "hangs-on"  # subject
 OPEN_END = "the upper end is not measured so close to collapse"
 PEAK, RESIDUAL = "peak_displacement", "residual_displacement"
-
-
-@dataclass(frozen=True, slots=True)
-class ExpectedError:
-    """The error of an answer, answer over truth less one, as far as it is known.
-
-    Arguments: `anchor`, its name; `expected` error with the ends `low` and `high` of an interval of
-    90 %; `chance` of an error beyond 10 %, or that the structure does what the answer denies;
-    `collapse`, chance that it collapses; `near_collapse`, whether the anchor nearly does; `cell`
-    in which this was measured on `count` scenarios; `reason`, why there is no interval (empty:
-    there is one); `residual`, ends (m) of 90 % for the true residual displacement, if known.
-    Near a collapse `high` alone is known: how far the truth may go was not measured there.
-    """
-
-    anchor: str
-    expected: float | None = None
-    low: float | None = None
-    high: float | None = None
-    chance: float | None = None
-    collapse: float | None = None
-    near_collapse: bool = False
-    cell: str = ""
-    count: int = 0
-    reason: str = ""
-    residual: tuple[float, float] | None = None
-
-    @property
-    def warns(self) -> bool:
-        """Whether the answer is rather likely to be in error."""
-        return self.chance is not None and self.chance > WARNED
-
-    def __str__(self) -> str:
-        if self.high is not None and self.low is None:
-            return f"at most {round(100.0 * self.high):+d} %; of the displacement {self.reason}"
-        if self.expected is None or self.low is None or self.high is None:
-            chance = 100.0 * (self.collapse or 0.0)
-            more = "" if self.collapse is None else f", chance of collapse {chance:.0f} %"
-            return f"{self.reason}{more}"
-        middle, *ends = (round(100.0 * share) for share in (self.expected, self.low, self.high))
-        return f"expect {middle:+d} %, 90 %: {ends[0]:+d} to {ends[1]:+d} %"
-
-    def as_dict(self) -> dict[str, Any]:
-        """The error as JSON holds it; null is unknown, and `reason` says why."""
-        return asdict(self)
 
 
 class TruthRatio(NamedTuple):
@@ -302,7 +259,7 @@ def reached(response: Response) -> Reached:
 def _is_anchor(response: Response, anchor: str) -> bool:
     if response.attrs["model"] != anchor:
         return False
-    return bool(json.loads(response.attrs["options"]) == options_of(make_model(anchor)))
+    return attribute(response, "options") == options_of(make_model(anchor))
 
 
 def _faster(scenario: Any) -> Any:
@@ -364,10 +321,10 @@ def advise(model: Model, scenario: Any, response: Response | None = None) -> lis
 
 
 def advised(model: Model, scenario: Any, response: Response) -> Response:
-    """Put advice and the error to expect (JSON) on a response, and return it."""
+    """Put advice and the error to expect on a response, and return it."""
     findings, error = _advised(model, scenario, response)
     set_findings(response, findings)
-    response.attrs["error"] = json.dumps(error.as_dict())
+    set_attributes(response, error=asdict(error))
     if any(each.refusal for each in findings):
         response.attrs["message"] = refusal_message(findings)
     return response

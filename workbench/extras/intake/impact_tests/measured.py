@@ -9,7 +9,7 @@ from workbench.base.errors import CollapseError, OutOfDomainError
 from workbench.base.fields import Text, checked
 from workbench.extras.intake.impact_tests.rows import ImpactTest, impact_tests, tables
 from workbench.models.base import Answering
-from workbench.responses import Finding, Response, build_response, finding
+from workbench.responses import Finding, Response, build_response, finding, set_attributes
 from workbench.scenarios import ColumnImpact, Scenario
 
 _PROVENANCE = ("name", "title", "source", "licence", "year", "role", "uncertainty")
@@ -84,8 +84,8 @@ class Measured(Answering):
             raise CollapseError(test.collapse, "the member did not survive the test")
         response = build_response({name: value for name, (value, _) in test.measured.items()})
         widths = {name: width for name, (_, width) in test.measured.items()}
-        response.attrs["data_uncertainty"] = json.dumps(widths, sort_keys=True)
+        set_attributes(response, data_uncertainty=widths)
         entries = [{name: getattr(entry, name) for name in _PROVENANCE} for entry in test.entries]
         sources = {"tests": test.names, "campaign": test.campaign, "datasets": entries}
-        response.attrs["data"] = json.dumps(sources, sort_keys=True)
+        set_attributes(response, data=sources)
         return response
