@@ -145,6 +145,13 @@ class Stored:
             self.read[key] = response
         return response
 
+    def answer_tables(self, case: str, label: str) -> dict[str, pd.DataFrame]:
+        """The tables of a stored answer to a question on studs; empty for others."""
+        from workbench.studs.model import tables_of
+
+        response = self.response(case, label)
+        return {} if response is None else tables_of(response)
+
     def data_uncertainty(self, case: str, label: str, quantity: str) -> float | None:
         """Half-width within which published or measured data are known, None if not stated."""
         response = self.response(case, label)

@@ -257,19 +257,21 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
         ratio = np.minimum(tau / np.exp(0.5 * log_s2), LARGEST_RATIO)
         return least(log_s2, spline(np.log(ratio + RATIO_SHIFT)))
 
-    def ends_of(profile: Callable[[float], float], values: Array, step: float) -> Interval:
+    def ends_of(
+        profile: Callable[[float], float], values: Array, step: float, bound: float
+    ) -> Interval:
         """Profile of a scatter, whose least value need not be that of the estimate with kinks."""
         middle = min(map(float, values), key=profile)
         limit = profile(middle) + rise
-        sides = ((-step, 0.0, 1e-9), (step, np.inf, 1e-9))
+        sides = ((-step, bound, 1e-9), (step, np.inf, 1e-9))
         return Interval(*(_crossing(lambda v: profile(v) - limit, middle, *each) for each in sides))
 
     around = np.exp(np.linspace(-1.0, 1.0, 81)) if several else np.ones(1)
-    sigma = ends_of(lambda v: least(2.0 * np.log(v), dense), s * around, 0.3 * s)
+    sigma = ends_of(lambda v: least(2.0 * v, dense), np.log(s * around), 0.3, -np.inf).exponential()
     if spline is None:
         return {"sigma": sigma, "tau": Interval(0.0, None)}
     step = max(estimate.tau, 0.2 * s)
-    low, high = ends_of(of_tau, np.append(estimate.tau, step * around), step)
+    low, high = ends_of(of_tau, np.append(estimate.tau, step * around), step, 0.0)
     return {"sigma": sigma, "tau": Interval(low or 0.0, high)}
 
 

@@ -412,33 +412,37 @@ def best_ratio(
     """
     from scipy.optimize import minimize_scalar
 
-    grid = GRID if hint is None else (0.0, *(hint * f for f in NEAR if hint > 0.0))
-    grid, tried, theta = grid if given.tells_campaigns else (0.0,), {}, start
+    theta, linear = start, given.moments is not None
+    tried: dict[float, tuple[float, Array]] = {}
 
     def at(x: float) -> float:
         """Criterion at lambda = exp(x) - 1, from the parameters of the last one on."""
         nonlocal theta
         value, _, solved = criterion_at(given, float(np.expm1(x)), theta, free)
         theta = solved.theta
-        tried[x] = value, theta
+        tried[float(x)] = value, theta
         return value
 
-    linear, cuts = given.moments is not None, np.log1p(grid)
-    values = criteria_at(given, np.array(grid), start, free)[0] if linear else [*map(at, cuts)]
-    for _ in range(ROUNDS if given.tells_campaigns else 0):
+    def valley(cuts: Array) -> tuple[int, float, float]:
+        """Place of the lowest criterion, and the cuts on either side of it."""
+        values = criteria_at(given, np.expm1(cuts), start, free)[0] if linear else [*map(at, cuts)]
         k = int(np.argmin(values))
-        low, high = cuts[max(k - 1, 0)], cuts[min(k + 1, len(cuts) - 1)]
-        if hint is not None and len(cuts) == len(grid) == k + 1:  # beyond what was thought near
-            high = max(np.log1p(BEYOND * grid[k]), np.log1p(GRID[-1]))
-        if not linear:
-            options = {"xatol": RESOLUTION if hint is None else ROUGH}
-            minimize_scalar(at, bounds=(low, high), options=options)
-            break
-        cuts = np.linspace(low, high, CUTS)
-        values = criteria_at(given, np.expm1(cuts), start, free)[0]
-    x = float(cuts[int(np.argmin(values))])
+        return k, float(cuts[max(k - 1, 0)]), float(cuts[min(k + 1, len(cuts) - 1)])
+
+    if not given.tells_campaigns:
+        return 0.0, at(0.0), theta
+    cuts = np.log1p(GRID if hint is None else (0.0, *(hint * f for f in NEAR if hint > 0.0)))
+    k, low, high = valley(cuts)
+    if hint is not None and k == len(cuts) - 1:  # beyond what was thought near
+        high = max(high + np.log(BEYOND), float(np.log1p(GRID[-1])))
     if linear:
-        at(x)
+        for _ in range(ROUNDS):
+            cuts = np.linspace(low, high, CUTS)
+            k, low, high = valley(cuts)
+        at(cuts[k])
+    else:
+        options = {"xatol": RESOLUTION if hint is None else ROUGH}
+        minimize_scalar(at, bounds=(low, high), options=options)
     x = min(tried, key=lambda x: tried[x][0])
     return float(np.expm1(x)), *tried[x]
 
