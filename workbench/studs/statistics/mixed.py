@@ -436,6 +436,7 @@ def best_ratio(
     if hint is not None and k == len(cuts) - 1:  # beyond what was thought near
         high = max(high + np.log(BEYOND), float(np.log1p(GRID[-1])))
     if linear:
+        at(cuts[k])  # the best of the grid, which finer cuts may miss
         for _ in range(ROUNDS):
             cuts = np.linspace(low, high, CUTS)
             k, low, high = valley(cuts)
