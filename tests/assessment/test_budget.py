@@ -12,16 +12,14 @@ from toy_models import Spring, Troubled
 from workbench.base.errors import InputError
 from workbench.models.references.fiber_beams import FiberReissner
 from workbench.models.strain_rate import with_rate
-from workbench.responses import build_response
+from workbench.responses import PEAK, RESIDUAL, build_response
 from workbench.scenarios import ColumnImpact, ColumnPushover
 from workbench.steel.materials import GRADES, CowperSymonds
 from workbench.study.assessment.gates import (
     MODEL_FORM,
     NUMERICAL,
-    PEAK,
     RATE,
     REFERENCE,
-    RESIDUAL,
     TOTAL,
     Term,
     numerical_term,

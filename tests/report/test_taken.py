@@ -12,8 +12,8 @@ from toy_models import Spring
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.report.chapters.answer import decisive
 from workbench.report.chapters.choice import details, first, trusted
+from workbench.responses import PEAK, RESIDUAL
 from workbench.study import Figure
-from workbench.study.assessment.gates import PEAK, RESIDUAL
 from workbench.study.assessor import Assessment, CellState
 from workbench.study.chooser import MATRIX_COLUMNS, pooled
 

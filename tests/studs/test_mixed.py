@@ -11,9 +11,10 @@ import pytest
 from workbench.base.errors import InputError
 from workbench.studs.statistics.intervals import (
     Interval,
+    Part,
     freedom_of,
     leave_one_campaign_out,
-    predictive_quantile,
+    predictive_quantiles,
     profile_interval,
     scatter_intervals,
     score_relations,
@@ -39,6 +40,12 @@ def synthetic(
     groups = np.repeat(np.arange(campaigns), tests)
     effect = tau * generator.normal(size=campaigns)
     return effect[groups] + sigma * generator.normal(size=len(groups)), groups
+
+
+def lowest_of(estimate: Estimate) -> float:
+    """What 5 % of new tests lie below."""
+    part = Part(1.0, estimate, estimate.problem)
+    return float(predictive_quantiles([part], [0.05])[0, 0])
 
 
 def covers(interval: Interval, truth: float) -> bool:
@@ -122,7 +129,7 @@ def test_observations_without_scatter_are_no_crash() -> None:
     estimate = fit(mean_problem(np.full(12, 0.3), groups))
     assert profile_interval(estimate, "mean") == pytest.approx((0.3, 0.3))
     assert scatter_intervals(estimate)["tau"].high == 0.0
-    assert predictive_quantile(estimate, estimate.problem, 0.05) == pytest.approx(0.3)
+    assert lowest_of(estimate) == pytest.approx(0.3)
 
 
 def test_campaigns_that_differ_far_beyond_their_scatter_are_followed() -> None:
@@ -249,7 +256,7 @@ def test_five_percent_of_new_tests_of_a_new_campaign_lie_below_their_quantile() 
         for _ in range(80):
             y, groups = synthetic(generator, campaigns, 6, tau, 0.08)
             estimate = fit(mean_problem(y, groups))
-            q = float(predictive_quantile(estimate, estimate.problem, 0.05)[0])
+            q = lowest_of(estimate)
             below.append(0.5 * (1.0 + erf(q / sqrt(tau**2 + 0.08**2) / sqrt(2.0))))
         assert 0.03 < np.mean(below) < 0.07, (campaigns, tau)
 
@@ -258,7 +265,7 @@ def test_few_campaigns_are_refused_where_they_do_not_suffice() -> None:
     y, groups = synthetic(np.random.default_rng(4), 2, 6, 0.1, 0.1)
     estimate = fit(mean_problem(y, groups))
     with pytest.raises(InputError, match="3 or more to say anything of a new campaign"):
-        predictive_quantile(estimate, estimate.problem, 0.05)
+        lowest_of(estimate)
     assert [each.covered for each in leave_one_campaign_out(estimate.problem)] == [None, None]
     with pytest.raises(InputError, match="two or more to leave one out"):
         leave_one_campaign_out(mean_problem(y[groups == 0], groups[groups == 0]))

@@ -14,9 +14,9 @@ import workbench
 from workbench.models.base import Model
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.references.fiber_beams import FiberShear
-from workbench.responses import Response
+from workbench.responses import PEAK, Response
 from workbench.scenarios import ColumnImpact
-from workbench.study.assessment.gates import MODEL_FORM, PEAK, REFERENCE, TOTAL, Term
+from workbench.study.assessment.gates import MODEL_FORM, REFERENCE, TOTAL, Term
 from workbench.study.assessment.variations import Budget
 from workbench.study.error_model.error_model import expected_error
 

@@ -20,6 +20,7 @@ from workbench.base.fields import did_you_mean
 from workbench.report.page.formatting import in_unit, number, unit_of
 from workbench.responses import (
     ENERGIES,
+    PEAK,
     SCALARS,
     VARIABLES,
     ExpectedError,
@@ -40,7 +41,7 @@ from workbench.responses.histories import INTEGRATORS, STUD_TESTS, largest_of
 from workbench.scenarios import FrameImpact, Scenario
 from workbench.scenarios.files import scenario_from
 from workbench.scenarios.pulse import LIGHTEST
-from workbench.study.error_model.error_model import PEAK, UNMEASURED
+from workbench.study.error_model.error_model import UNMEASURED
 
 if TYPE_CHECKING:
     from workbench.api.plots import Plots

@@ -53,7 +53,8 @@ def advise(scenario: ScenarioFile, settings: Settings = None) -> Answer:
     given = load_scenario(scenario, settings or [])
     from workbench.base.catalogue import DATA
     from workbench.models.base import offers
-    from workbench.study.error_model.error_model import PEAK, advise, anchor_peak, choose
+    from workbench.responses import PEAK
+    from workbench.study.error_model.error_model import advise, anchor_peak, choose
 
     kinds = [offer.kind for offer in offers() if offer.kind is not None]
     fitting = [kind for kind in kinds if given.KIND in kind.answers and kind.name not in DATA]
@@ -80,7 +81,7 @@ def _advice(
     scenario: str, choice: ModelChoice, best: float | None, findings: dict[str, list[Finding]]
 ) -> Iterator[Block]:
     from workbench.report.page.formatting import in_unit
-    from workbench.study.error_model.error_model import PEAK
+    from workbench.responses import PEAK
 
     yield paragraph(f"{scenario}: take {choice.model}, {choice.reason}.")
     if best is not None:

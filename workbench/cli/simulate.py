@@ -210,8 +210,7 @@ def _table(compared: Comparison, objects: list[dict[str, Any]]) -> Iterator[Bloc
 
 def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -> Iterator[Block]:
     from workbench.report.page.formatting import in_unit
-    from workbench.responses import error_of, warnings_of
-    from workbench.study.error_model.error_model import PEAK
+    from workbench.responses import PEAK, error_of, warnings_of
 
     yield paragraph(f"{name}: {answer['headline']}")
     if answer["message"]:

@@ -125,6 +125,9 @@ class Finding:
         return cls(subject, text, severity == REFUSAL, remedy, number, instead, limit)
 
 
+PEAK, RESIDUAL = "peak_displacement", "residual_displacement"  # whose error is measured
+
+
 @dataclass(frozen=True, slots=True)
 class ExpectedError:
     """The error of an answer, answer over truth less one, as far as it is known.

@@ -15,7 +15,7 @@ from workbench.base.fields import Choice, Flag, Number, checked
 from workbench.responses import finding
 from workbench.scenarios.stud_tests import StudTests
 from workbench.studs.damaged import damaged_rows
-from workbench.studs.fit_protocol import answer_tables, judge
+from workbench.studs.fit_protocol import StudAnswer, answer_of, answer_tables, judge
 from workbench.studs.formulas import FORMULAS, SHEAR_MODELS, usual_stud
 from workbench.studs.interaction import INTERACTIONS, borne, combined_tests
 from workbench.studs.laboratory import CALIBRATION as CALIBRATION
@@ -24,7 +24,7 @@ from workbench.studs.load_slip import GRID, LAWS, OllgaardLaw, fit_load_slip, ju
 from workbench.studs.mechanical import MechanicalFit, Stud, calibrate, interaction_points
 from workbench.studs.mechanical.calibration import complete_rows, predicted_curves
 from workbench.studs.mechanical.structure import LENGTH, STRESS
-from workbench.studs.model import RESIDUAL, DataSplit, StudAnswer, StudModel, answer_of, load_split
+from workbench.studs.model import RESIDUAL, DataSplit, StudModel, load_split
 from workbench.studs.model import StudMeasured as StudMeasured
 from workbench.studs.relations import SOURCES
 from workbench.studs.schema import TESTS, USUAL
@@ -66,14 +66,12 @@ class StudStrength(StudModel):
 
     def find(self, scenario: StudTests, split: DataSplit) -> StudAnswer:
         """The fit, and how the prediction meets the validating tests."""
-        level, held = scenario.confidence, split.validation
+        level, how = scenario.confidence, "as fitted" if self.corrected else "as it is"
         fit = fit_strength(split.calibration, self.formula, loss=self.loss, confidence=level)
-        judged = None if held.empty else fit.judge(held, level, corrected=self.corrected)
-        how = "as fitted" if self.corrected else "as it is"
-        answer = answer_of(fit, judged, level, how, fitted_test_over_prediction=fit.bias)
+        answer = answer_of(fit, split.validation, level, how, corrected=self.corrected)
         if usual := usual_stud(fit.model):
             answer.tables["usual"] = pd.DataFrame([usual])
-        return answer
+        return replace(answer, scalars={**answer.scalars, "fitted_test_over_prediction": fit.bias})
 
 
 @dataclass(frozen=True)
@@ -119,8 +117,7 @@ class StudLoadSlip(StudModel):
             tables = answer_tables(summary, {"points": points, "grid": grid}, judged)
             return StudAnswer(tables, (), judged, {"tests_fitted": 0.0})
         fit = fit_load_slip(split.calibration_points, self.law, confidence=level)
-        judged = None if unseen.empty else fit.judge(unseen, level)
-        answer = answer_of(fit, judged, level)
+        answer = answer_of(fit, unseen, level, "fitted")
         answer.tables["points"] = points
         return answer
 
@@ -170,12 +167,12 @@ class StudResidual(StudModel):
             split.calibration, quantity, given, lambda: calibrated(scenario), **which
         )
         held = damaged_rows(split.validation, quantity, fit.predamage, fit.measure)
-        judged = None if held.empty else fit.judge(split.validation, level)
         findings = [finding("stud-grade", quantity=quantity, grade=fit.grade), *fit.findings]
         if others:
             titles = "; ".join(each.stud for each in others)
             findings.append(finding("stud-other-answers", stud=fit.stud, others=titles))
-        return replace(answer_of(fit, judged, level), findings=findings)
+        held = held if held.empty else split.validation  # with the companions of damaged tests
+        return replace(answer_of(fit, held, level, "fitted"), findings=findings)
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ command line, studies, reports and JSON are made of these alone.
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
 from typing import Any, ClassVar, NamedTuple
@@ -252,6 +252,32 @@ def answer_tables(
         answered["judgement"] = pd.DataFrame([{"prediction": how, **judged.summary}])
         answered["judged"] = judged.rows
     return answered
+
+
+@dataclass(frozen=True)
+class StudAnswer:
+    """The answer to a question: its `tables`, `findings`, how unseen tests judge it, `scalars`.
+
+    `exact`: the scalars are definitions, without uncertainty.
+    """
+
+    tables: Tables
+    findings: Sequence[Finding] = ()
+    judged: Judgement | None = None
+    scalars: Mapping[str, float | None] = field(default_factory=dict)
+    exact: bool = False
+
+
+def answer_of(
+    fit: Fit, held: pd.DataFrame, confidence: float, how: str = "as fitted", **options: Any
+) -> StudAnswer:
+    """The answer that a fit is, judged by the rows that are `held` out, if there are any.
+
+    Arguments: `how` as in `answer_tables`; `options` of the judgement. Raises `InputError`.
+    """
+    judged = None if held.empty else fit.judge(held, confidence, **options)
+    tables = answer_tables(fit.summary(), fit.tables(confidence), judged, how)
+    return StudAnswer(tables, fit.findings, judged, {"tests_fitted": float(len(fit.rows))})
 
 
 def stacked(answers: Iterable[tuple[str, Tables]]) -> Tables:

@@ -19,7 +19,7 @@ from workbench.studs.damaged import damaged_rows, predicted_references
 from workbench.studs.fit_protocol import (
     Fit,
     Tables,
-    answer_tables,
+    answer_of,
     ranked,
     stacked,
 )
@@ -46,8 +46,7 @@ USUAL_SPECIFIED = 450.0  # MPa, of stud material: SD1 of ISO 13918
 
 def known_of(fit: Fit, held: Rows, confidence: float, how: str = "as fitted") -> Tables:
     """Everything that is known of a fit, and how it meets what was held out."""
-    judged = None if held.empty else fit.judge(held, confidence)
-    tables = answer_tables(fit.summary(), fit.tables(confidence), judged, how)
+    tables = answer_of(fit, held, confidence, how).tables
     findings = pd.DataFrame([each.as_dict() for each in ranked(fit.findings)])
     figures = pd.DataFrame({"kind": fit.figures})
     return {**tables, "findings": findings, "influence": fit.influence(), "figures": figures}

@@ -3,7 +3,7 @@
 import hashlib
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,7 +19,7 @@ from workbench.responses.uncertainty import DATA_WIDTHS, SAMPLE_WIDTHS, SAMPLED
 from workbench.scenarios import Scenario
 from workbench.scenarios.stud_tests import StudTests
 from workbench.studs.damaged import damaged_rows
-from workbench.studs.fit_protocol import Fit, Judgement, Tables, answer_tables, plain
+from workbench.studs.fit_protocol import StudAnswer, Tables, plain
 from workbench.studs.interaction import combined_tests
 from workbench.studs.schema import POINTS, TESTS, TableSchema, examine
 from workbench.studs.tables import (
@@ -74,32 +74,6 @@ def _joined(names: Sequence[str], schema: TableSchema) -> pd.DataFrame:
     if not tables:
         return pd.DataFrame(columns=list(schema.names))
     return joined(tables, unique=schema is TESTS)
-
-
-@dataclass(frozen=True)
-class StudAnswer:
-    """The answer of a model: its `tables`, `findings`, how unseen tests judge it, `scalars`.
-
-    `exact`: the scalars are definitions, without uncertainty.
-    """
-
-    tables: Tables
-    findings: Sequence[Finding] = ()
-    judged: Judgement | None = None
-    scalars: Mapping[str, float | None] = field(default_factory=dict)
-    exact: bool = False
-
-
-def answer_of(
-    fit: Fit, judged: Judgement | None, confidence: float, how: str = "fitted", **scalars: float
-) -> StudAnswer:
-    """The answer that a fit is: its tables, findings and size, how unseen tests judge it.
-
-    `how` as in `answer_tables`; further `scalars`.
-    """
-    tables = answer_tables(fit.summary(), fit.tables(confidence), judged, how)
-    size = {"tests_fitted": float(len(fit.rows))}
-    return StudAnswer(tables, fit.findings, judged, {**size, **scalars})
 
 
 @dataclass(frozen=True)

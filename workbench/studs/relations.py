@@ -50,12 +50,11 @@ from workbench.studs.fit_protocol import (
 from workbench.studs.schema import FATIGUE, LIFE, NO_PREDAMAGE, QUANTITIES
 from workbench.studs.series import CHARACTERISTIC, TABLE_DESIGN
 from workbench.studs.statistics.intervals import (
-    Mixture,
     Part,
     Score,
-    averaged_quantile,
     influence_of,
     mixture_of,
+    predictive_quantiles,
     score_relations,
     tails_of,
     without_each,
@@ -182,15 +181,11 @@ LEAST_WEIGHT = 0.02  # of a candidate in the average
 
 
 class Candidate(NamedTuple):
-    """A relation fitted to the tests, its `weight` in the average, what it tells of new campaigns.
-
-    `mixture`: None with two campaigns, which say nothing of new tests.
-    """
+    """A relation fitted to the tests, and its `weight` in the average."""
 
     weight: float
     relation: Relation
     estimate: Estimate
-    mixture: Mixture | None
 
 
 def candidates(
@@ -261,31 +256,10 @@ def average(
     scores = tuple(score_relations(estimates))
     kept = [score for score in scores if score.weight >= LEAST_WEIGHT]
     total, named = sum(score.weight for score in kept), {each.name: each for each in relations}
-    averaged = []
-    for score in kept:
-        estimate = estimates[score.name]
-        mixture = mixture_of(estimate) if estimate.problem.foretold else None
-        averaged.append(Candidate(score.weight / total, named[score.name], estimate, mixture))
+    averaged = (
+        Candidate(score.weight / total, named[score.name], estimates[score.name]) for score in kept
+    )
     return scores, tuple(averaged)
-
-
-def quantiles(
-    averaged: Sequence[Candidate],
-    level: Array,
-    shares: Sequence[float],
-    median: Sequence[float] = (),
-) -> Array | None:
-    """Ratios (shares + median, n) at levels (n,), see `averaged_quantile`.
-
-    None with two campaigns.
-    """
-    new, parts = ["new"] * len(level), []
-    for weight, relation, estimate, mixture in averaged:
-        if mixture is None:
-            return None
-        held = problem_of(0.0 * level, level, new, relation)
-        parts.append(Part(weight, estimate, mixture, held))
-    return averaged_quantile(parts, shares, median)
 
 
 STEP = 0.025  # of damage, at which the curve is given
@@ -360,10 +334,14 @@ class ResidualFit(Fit):
         """
         d = np.asarray(level, float)
         inside, left = ~self.extrapolates(d), np.full((len(shares) + len(median), len(d)), np.nan)
-        known = quantiles(self.averaged, d[inside], shares, median) if self.averaged else None
-        if known is None:
+        if not self.foretold:
             return None
-        left[:, inside] = np.maximum(known, 0.0)
+        level, new = d[inside], ["new"] * int(inside.sum())
+        parts = [
+            Part(weight, estimate, problem_of(0.0 * level, level, new, relation))
+            for weight, relation, estimate in self.averaged
+        ]
+        left[:, inside] = np.maximum(predictive_quantiles(parts, shares, median), 0.0)
         return left
 
     def band(self, level: ArrayLike, share: float = 0.9) -> tuple[Array, Array] | None:
@@ -447,7 +425,7 @@ class ResidualFit(Fit):
         level = np.array([self.levels[1]])
         answer, value = f"left at damage {self.levels[1]:.3g}", float(self.left(level)[0])
         moved = np.full(len(self.rows), value)
-        for weight, relation, estimate, _ in self.averaged:
+        for weight, relation, estimate in self.averaged:
             whole, others = relation(level, estimate.theta)[0], without_each(estimate)
             moved += [weight * float(relation(level, theta)[0] - whole) for theta in others]
         flexible = max(self.averaged, key=lambda each: len(each.estimate.theta)).estimate

@@ -32,10 +32,11 @@ from workbench.studs.formulas import Formula, characteristic_strength, strength_
 from workbench.studs.series import D8, evaluate_d8, sensitivities_of
 from workbench.studs.statistics.intervals import (
     LeftOut,
+    Part,
     coverage,
     influence_of,
     leave_one_campaign_out,
-    predictive_quantile,
+    predictive_quantiles,
     tails_of,
     without_each,
 )
@@ -212,7 +213,8 @@ def fit_strength(
         left_out = tuple(leave_one_campaign_out(given))
     foretold: list[float | None] = [None] * 3
     if given.foretold:
-        values = (predictive_quantile(estimate, given, s) for s in (0.05, *tails_of(confidence)))
+        parts, shares = [Part(1.0, estimate, given)], (0.05, *tails_of(confidence))
+        values = predictive_quantiles(parts, shares)
         foretold = [float(np.exp(np.mean(each))) for each in values]
     own = dict(zip(OWN, [None] * 3 if given.foretold == NEW else foretold, strict=True))
     missing = len(usable) - len(kept)

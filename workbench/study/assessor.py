@@ -207,6 +207,13 @@ class Assessment:
             self.responses[key] = response
         return response
 
+    def answer_tables(self, case: str, label: str) -> dict[str, pd.DataFrame]:
+        """The tables of a stored answer to a question on studs; empty for others."""
+        from workbench.studs.model import tables_of
+
+        response = self.response(case, label)
+        return {} if response is None else tables_of(response)
+
     def records(self, name: str, **values: Any) -> list[dict[str, Any]]:
         """Rows of a table whose columns have these values; numbers that are absent are None."""
         table = self.tables[name]

@@ -25,10 +25,10 @@ import scipy
 
 from workbench.base.errors import OutOfDomainError
 from workbench.models.strain_rate import feels_rate
-from workbench.responses import Outcome
+from workbench.responses import PEAK, RESIDUAL, Outcome
 from workbench.responses.outcome import WARNED
 from workbench.study.assessment import bias_and_scatter
-from workbench.study.assessment.gates import PEAK, REMAINS, RESIDUAL
+from workbench.study.assessment.gates import REMAINS
 from workbench.study.definition import Study, holds_data
 from workbench.study.error_model.error_model import BEYOND, chance_beyond
 from workbench.study.error_model.error_table import LocalMean, ends_of, table_of, variant_of

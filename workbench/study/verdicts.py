@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from workbench.base.errors import InputError
 from workbench.responses import (
+    PEAK,
     Finding,
     Outcome,
     Response,
@@ -19,7 +20,7 @@ from workbench.responses import (
     survives,
 )
 from workbench.study.assessment import METRICS
-from workbench.study.assessment.gates import PEAK, CaseVerdict, Gate, GateVerdict, Verdict, judge
+from workbench.study.assessment.gates import CaseVerdict, Gate, GateVerdict, Verdict, judge
 from workbench.study.comparisons import CaseAnswers, compare, of_side
 from workbench.study.definition import Study
 from workbench.study.tables import Row, counts, lists, numbers, tabled, texts

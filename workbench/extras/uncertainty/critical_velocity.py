@@ -16,8 +16,7 @@ from workbench.base.errors import InputError, WorkbenchError
 from workbench.base.fields import Number
 from workbench.base.units import in_si
 from workbench.models.base import Model, ask
-from workbench.responses import Outcome, outcome_of, survives
-from workbench.study.error_model.error_model import PEAK
+from workbench.responses import PEAK, Outcome, outcome_of, survives
 
 REACHED, BY_COLLAPSE, NEVER, ALREADY, NO_ANSWER = (
     *("reached", "by collapse", "never reached", "reached already", "no answer"),

@@ -29,12 +29,11 @@ from workbench.extras.uncertainty.fragility_curve import LEVEL
 from workbench.extras.uncertainty.inputs import UncertainScenario
 from workbench.models.base import LONGER, on_one_mesh
 from workbench.models.batch import OUTCOME
-from workbench.responses import Outcome, outcome_of
+from workbench.responses import PEAK, Outcome, outcome_of
 from workbench.responses.uncertainty import uncertainty_of
 from workbench.scenarios.column import DURATION
 from workbench.scenarios.varied import Path_, Varied
 from workbench.study.batches import Run, answers_by, answers_of
-from workbench.study.error_model.error_model import PEAK
 
 MESH_LEVELS = 6  # of the runs on finer meshes
 VELOCITY: Path_ = ("striker", "velocity")

@@ -20,8 +20,7 @@ from workbench.report.page.markdown import (
     literal,
 )
 from workbench.report.page.page import Page
-from workbench.responses import Finding
-from workbench.study.assessment.gates import PEAK, RESIDUAL
+from workbench.responses import PEAK, RESIDUAL, Finding
 from workbench.study.assessor import BEST, Assessment, CellState
 from workbench.study.definition import Figure, Study
 

@@ -8,8 +8,7 @@ from workbench.report.chapters.configuration import hit_distance
 from workbench.report.page.formatting import title_of
 from workbench.report.page.markdown import Markdown
 from workbench.report.page.page import Page
-from workbench.responses import ExpectedError
-from workbench.study.assessment.gates import PEAK, RESIDUAL
+from workbench.responses import PEAK, RESIDUAL, ExpectedError
 from workbench.study.assessor import ERROR, Assessment
 from workbench.study.chooser import CORRECTED, SURE
 from workbench.study.definition import Study

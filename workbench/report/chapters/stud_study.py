@@ -10,10 +10,9 @@ import pandas as pd
 from workbench.report.chapters.studs import page, records
 from workbench.report.page.formatting import number
 from workbench.report.page.markdown import Markdown, section
-from workbench.responses import Finding, findings_of
+from workbench.responses import Finding
 from workbench.scenarios import StudTests
 from workbench.studs.fit_protocol import Tables, stacked
-from workbench.studs.model import tables_of
 from workbench.study.assessor import Assessment
 from workbench.study.definition import Study
 
@@ -46,9 +45,8 @@ def answers(study: Study, stored: Assessment) -> Iterator[StoredStudAnswer]:
         if not isinstance(case.scenario, StudTests):
             continue
         for label in study.models:
-            response = stored.response(case.name, label)
-            if response is not None and (tables := tables_of(response)):
-                findings = findings_of(response)
+            if tables := stored.answer_tables(case.name, label):
+                findings = list(stored.cells[case.name, label].findings)
                 yield StoredStudAnswer(case.name, label, case.scenario.asked, tables, findings)
 
 

@@ -33,8 +33,7 @@ from workbench.report.drawing.style import (
     settle,
 )
 from workbench.report.page.formatting import axis_label, unit_of
-from workbench.responses import Response
-from workbench.study.assessment.gates import PEAK
+from workbench.responses import PEAK, Response
 from workbench.study.assessor import Assessment
 from workbench.study.definition import Case, Figure, Study
 

@@ -11,7 +11,6 @@ from matplotlib.patches import Patch
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import INK, MUTED, Look, Style, entry, numbered
 from workbench.studs.fit_protocol import Tables
-from workbench.studs.model import tables_of
 
 KILO, MILLI = 1e-3, 1e3  # N to kN, m to mm
 _SIZE = 4.2  # of a test's marker
@@ -38,9 +37,7 @@ def _answers(source: Source) -> Iterator[tuple[str, str, Tables]]:
         return
     for case in source.cases:
         for label in source.shown(case):
-            response = source.stored.response(case.name, label)
-            if response is not None:
-                yield case.name, label, tables_of(response)
+            yield case.name, label, source.stored.answer_tables(case.name, label)
 
 
 def judged_tests(label: str, tables: Tables) -> pd.DataFrame:

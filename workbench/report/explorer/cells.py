@@ -18,7 +18,7 @@ from workbench.report.drawing.shapes import YIELDS, Points, Shapes, shapes_of
 from workbench.report.drawing.sheet import evenly, thinned
 from workbench.report.figures.curves import ledger
 from workbench.report.page.formatting import duration, in_unit, interval
-from workbench.responses import Outcome, Response
+from workbench.responses import PEAK, RESIDUAL, Outcome, Response
 from workbench.responses.uncertainty import (
     DATA_WIDTHS,
     SAMPLE_WIDTHS,
@@ -28,7 +28,6 @@ from workbench.responses.uncertainty import (
     variants,
 )
 from workbench.scenarios import ColumnImpact, FrameImpact
-from workbench.study.assessment.gates import PEAK, RESIDUAL
 from workbench.study.assessor import CellState
 from workbench.study.definition import DATA, Case
 

@@ -41,7 +41,6 @@ from workbench.report.drawing.style import (
 from workbench.report.page.formatting import number, percent
 from workbench.studs.fit_protocol import Tables
 from workbench.studs.interaction import INTERACTIONS
-from workbench.studs.model import tables_of
 
 _LARGEST_SLIP = 10.0  # mm
 _LAW = PALETTE[0]
@@ -464,8 +463,7 @@ def _measured(request: Request, curve: pd.DataFrame) -> pd.DataFrame:
     campaign, specimen = curve[["campaign", "specimen"]].iloc[0]
     reference = request.study.reference
     for case in request.cases:
-        response = request.stored.response(case.name, reference)
-        tables = {} if response is None else tables_of(response)
+        tables = request.stored.answer_tables(case.name, reference)
         for part in ("calibration", "validation"):
             points = tables.get(part, pd.DataFrame())
             if "slip" in points:

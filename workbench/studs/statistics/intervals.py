@@ -132,10 +132,9 @@ def profile_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> 
     if not (np.isfinite(error) and error > 0.0):
         return Interval(None, None)
     if given.between is not None:
-        mixture, j = mixture_of(estimate), int(np.sum(~estimate.at_bound[:k]))
-        scale = np.sqrt(mixture.variance * mixture.inverse[:, j, j])
-        known = (mixture.weight, mixture.nu, mixture.theta[:, k], scale)
-        return Interval(*(quantile_of(*known, tail) for tail in tails_of(confidence)))
+        parameter = replace(_alone(given), predict=lambda theta: theta[[k]])
+        ends = predictive_quantiles([Part(1.0, estimate, parameter)], (), tails_of(confidence))
+        return Interval(*map(float, ends[:, 0]))
     nu = freedom_of(estimate, name)
     t = float(stdtrit(nu, 0.5 + 0.5 * confidence))
     rise = (nu + 1.0) * np.log1p(t * t / nu)
@@ -188,9 +187,16 @@ def _over_two(estimate: Estimate, k: int, confidence: float) -> Interval | None:
 
 
 def _crossing(
-    excess: Callable[[float], float], centre: float, step: float, bound: float
+    excess: Callable[[float], float],
+    centre: float,
+    step: float,
+    bound: float,
+    within: float = 1e-4,
 ) -> float | None:
-    """Where a function that is negative at the centre crosses zero on one side; None if nowhere."""
+    """Where a function that is negative at the centre crosses zero on one side; None if nowhere.
+
+    `within` a share of the last step.
+    """
     from scipy.optimize import brentq
 
     near, far = centre, centre + step
@@ -206,7 +212,7 @@ def _crossing(
             continue
         if value > 0.0:
             inner = centre if near == centre else near
-            return float(brentq(excess, inner, far, xtol=1e-4 * abs(step), rtol=1e-8))
+            return float(brentq(excess, inner, far, xtol=within * abs(step), rtol=1e-8))
         if beyond:
             return None
         near, far = far, far + step
@@ -239,39 +245,34 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
     parts = np.column_stack([values - m - m * np.log(variance), np.log(variance * m)])
     x = np.log(r + RATIO_SHIFT)
     spline = CubicSpline(x, parts) if several else None
-    dense = parts.T if spline is None else spline(np.linspace(x[0], x[-1], DENSE)).T
-
-    def least(log_s2: Array | float, parts: Array) -> float:
-        rest, log_size = parts
-        return float(np.min(rest + m * log_s2 + np.exp(log_size - log_s2)))
-
-    def of_sigma(sigma: float) -> float:
-        return least(2.0 * np.log(sigma), dense)
-
-    # with kinks the least criterion need not be that of the estimate
-    around = np.exp(np.linspace(-1.0, 1.0, 81)) if several else np.ones(1)
-    middle = min(map(float, s * around), key=of_sigma)
-    lowest = of_sigma(middle)
-    low, high = (
-        _crossing(lambda v: of_sigma(np.exp(v)) - lowest - rise, np.log(middle), step, bound)
-        for step, bound in ((-0.3, -np.inf), (0.3, np.inf))
-    )
-    sigma = Interval(low, high).exponential()
-    if spline is None:
-        return {"sigma": sigma, "tau": Interval(0.0, None)}
+    dense = parts if spline is None else spline(np.linspace(x[0], x[-1], DENSE))
     log_s2 = 2.0 * np.log(s) + np.linspace(-4.0, 4.0, DENSE)
 
-    def of_tau(tau: float) -> float:
-        ratio = np.minimum(tau / np.exp(0.5 * log_s2), LARGEST_RATIO)
-        return least(log_s2, spline(np.log(ratio + RATIO_SHIFT)).T)
+    def least(log_s2: Array | float, parts: Array) -> float:
+        rest, log_size = parts.T
+        return float(np.min(rest + m * log_s2 + np.exp(log_size - log_s2)))
 
+    def of_tau(tau: float) -> float:
+        assert spline is not None
+        ratio = np.minimum(tau / np.exp(0.5 * log_s2), LARGEST_RATIO)
+        return least(log_s2, spline(np.log(ratio + RATIO_SHIFT)))
+
+    def ends_of(
+        profile: Callable[[float], float], values: Array, step: float, bound: float
+    ) -> Interval:
+        """Profile of a scatter, whose least value need not be that of the estimate with kinks."""
+        middle = min(map(float, values), key=profile)
+        limit = profile(middle) + rise
+        sides = ((-step, bound, 1e-9), (step, np.inf, 1e-9))
+        return Interval(*(_crossing(lambda v: profile(v) - limit, middle, *each) for each in sides))
+
+    around = np.exp(np.linspace(-1.0, 1.0, 81)) if several else np.ones(1)
+    sigma = ends_of(lambda v: least(2.0 * v, dense), np.log(s * around), 0.3, -np.inf).exponential()
+    if spline is None:
+        return {"sigma": sigma, "tau": Interval(0.0, None)}
     step = max(estimate.tau, 0.2 * s)
-    middle = min((estimate.tau, *map(float, step * around)), key=of_tau)
-    lowest_tau, highest = (
-        _crossing(lambda v: of_tau(v) - lowest - rise, middle, sign * step, bound)
-        for sign, bound in ((-1.0, 0.0), (1.0, np.inf))
-    )
-    return {"sigma": sigma, "tau": Interval(lowest_tau or 0.0, highest)}
+    low, high = ends_of(of_tau, np.append(estimate.tau, step * around), step, 0.0)
+    return {"sigma": sigma, "tau": Interval(low or 0.0, high)}
 
 
 class Mixture(NamedTuple):
@@ -343,21 +344,10 @@ def linear(estimate: Estimate, free: Indices) -> Problem:
     return replace(known, names=names, start=theta[free], lower=-none, upper=none)
 
 
-def quantile_of(weight: Array, nu: Array, centre: Array, scale: Array, share: float) -> float:
-    """Value which a `share` of a mixture of Student distributions (points,) lies below."""
-    from scipy.optimize import brentq
-    from scipy.special import stdtr
-
-    def below(y: float) -> float:
-        return float(weight @ stdtr(nu, (y - centre) / scale)) - share
-
-    low = high = float(weight @ centre)
-    width = 10.0 * float(np.max(scale[weight > 1e-12]))
-    while below(low) > 0.0:
-        low -= width
-    while below(high) < 0.0:
-        high += width
-    return float(brentq(below, low, high, xtol=1e-9 * width))
+def _alone(given: Problem) -> Problem:
+    """The problem of one new test, its prediction to be replaced."""
+    return replace(given, y=np.zeros(1), groups=np.zeros(1, np.int64), weights=np.ones(1),
+                   design=None, tangent=None, shares=None, level=None)  # fmt: skip
 
 
 DRAWS = 2000  # of the weights of the left-out parts
@@ -369,57 +359,54 @@ class Part(NamedTuple):
 
     weight: float
     estimate: Estimate
-    mixture: Mixture
     held: Problem
 
 
-def averaged_quantile(
+def predictive_quantiles(
     parts: Sequence[Part], shares: Sequence[float], median: Sequence[float] = ()
 ) -> Array:
     """Values (shares + median, n) that shares of a distribution lie below, in the unit of y.
 
-    `shares`, of new tests in a new campaign; `median`, of what the tests tell of the median over
-    campaigns. The distributions of the candidates are averaged with their weights.
+    `shares`, of new tests of a new campaign, or of the only one (`Problem.foretold`); `median`, of
+    what the tests tell of the median over campaigns. The rows of `Part.held` describe them, its y
+    is not used. The distributions of the candidates are averaged with their weights. Raises
+    `InputError` for two campaigns.
     """
+    from scipy.optimize import brentq
+    from scipy.special import stdtr, stdtrit
+
+    if not all(each.estimate.problem.foretold for each in parts):
+        reason = f"must be {LEAST_CAMPAIGNS} or more to say anything of a new campaign"
+        raise InputError("campaigns", 2, reason, "fewer do not tell how much campaigns differ")
     weights, centres, scales, freedoms = [], [], [], []
-    for weight, estimate, mixture, held in parts:
-        free = np.flatnonzero(~estimate.at_bound)
+    for weight, estimate, held in parts:
+        free, mixture = np.flatnonzero(~estimate.at_bound), mixture_of(estimate)
         middle, x = held.predict(estimate.theta), jacobian(held, estimate.theta, free)
         spread = np.maximum(np.einsum("nj,kjl,nl->kn", x, mixture.inverse, x), 0.0)
         test = mixture.spread(held.level, held.count) + mixture.ratio[:, None] ** 2
-        shares_of_sigma = np.array([spread + test, spread])
-        scales.append(np.sqrt(mixture.variance[:, None] * shares_of_sigma))
+        scales.append(np.sqrt(mixture.variance[:, None] * np.array([spread + test, spread])))
         centres.append(middle + (mixture.theta[:, free] - estimate.theta[free]) @ x.T)
         weights.append(weight * mixture.weight)
         freedoms.append(mixture.nu)
     centre, share_of, nu = (np.concatenate(each) for each in (centres, weights, freedoms))
     least = ROUND_OFF * max(1.0, float(np.max(np.abs(centre))))
     both = np.maximum(np.concatenate(scales, axis=1), least)
-    values = []
-    for scale, wanted in zip(both, (shares, median), strict=True):
-        columns, index = np.unique(np.vstack([centre, scale]), axis=1, return_inverse=True)
-        for share in wanted:
-            each = [
-                quantile_of(share_of, nu, column[: len(nu)], column[len(nu) :], share)
-                for column in columns.T
-            ]
-            values.append(np.array(each)[np.ravel(index)])
-    return np.array(values)
 
+    @cache
+    def quantile(share: float, column: bytes) -> float:
+        middle, scale = np.frombuffer(column).reshape(2, -1)
+        ends = middle + scale * stdtrit(nu, share)  # between those of its parts lies the mixture's
 
-def predictive_quantile(estimate: Estimate, held: Problem, share: float) -> Array:
-    """Value (n,) below which a `share` of new tests lies, in the unit of y.
+        def below(y: float) -> float:
+            return float(share_of @ stdtr(nu, (y - middle) / scale)) - share
 
-    New tests are those of a new campaign, or of the only one (`Problem.foretold`). `held`: a
-    problem whose rows describe them (its y is not used). Raises `InputError` for two campaigns.
-    """
-    if not estimate.problem.foretold:
-        reason = f"must be {LEAST_CAMPAIGNS} or more to say anything of a new campaign"
-        raise InputError("campaigns", 2, reason, "fewer do not tell how much campaigns differ")
-    if estimate.is_exact:
-        return held.predict(estimate.theta)
-    part = Part(1.0, estimate, mixture_of(estimate), held)
-    return np.asarray(averaged_quantile([part], [share])[0])
+        return float(brentq(below, ends.min() - least, ends.max() + least, xtol=1e-14))
+
+    return np.array([
+        [quantile(share, np.array(each).tobytes()) for each in zip(centre.T, scale.T, strict=True)]
+        for scale, wanted in zip(both, (shares, median), strict=True)
+        for share in wanted
+    ])  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -465,7 +452,7 @@ def coverage(estimate: Estimate, held: Problem, confidence: float) -> float | No
     """Share of the tests of `held` inside their prediction interval (None: too few campaigns)."""
     if estimate.problem.foretold != NEW:
         return None
-    low, high = (predictive_quantile(estimate, held, share) for share in tails_of(confidence))
+    low, high = predictive_quantiles([Part(1.0, estimate, held)], tails_of(confidence))
     return float(np.mean((held.y >= low) & (held.y <= high)))
 
 

@@ -1,6 +1,4 @@
-"""A regression with campaign effects: what is fitted, and what was found.
-
-Regression with a random effect per campaign.
+"""Regression with a random effect per campaign: what is fitted, and what was found.
 
 y_ij = f_ij(theta) + u_j + e_ij, u_j ~ N(0, tau^2) for campaign j, e_ij ~ N(0, sigma^2 / w_ij).
 Restricted maximum likelihood, profiled over theta and sigma, so that one variable is left: the
@@ -254,16 +252,15 @@ def log_determinant(normal: Array) -> Array:
 
 
 GRID = (0.0, 0.01, 0.05, 0.2, 0.6, 2.0, 6.0, 20.0, 1e2, 1e3, 1e4, 1e6)  # lambda, to find the valley
-TOLERANCES: dict[str, float | None] = {"xtol": 1e-9, "ftol": 1e-11, "gtol": None}
+TOLERANCES: dict[str, float | None] = {"xtol": 1e-10, "ftol": 1e-13, "gtol": None}
 EVALUATIONS = 100
 LEAST_RATIO = 1e-12  # lambda where tau is known
 SIMPLEX = 2000  # evaluations per parameter
-NEAR = (0.625, 1.0, 1.6)  # times a lambda known to be near
-BEYOND = 100.0
-STEPS = 3  # of Brent's method from three of them
+NEAR, BEYOND = (0.625, 1.0, 1.6), 100.0  # times a lambda known to be near
 LOSSES = {"linear": 0.0, "huber": 1.345, "bisquare": 4.685}
 REWEIGHTINGS = 30
 ROUNDS, CUTS = 3, 41  # of the valley of a linear problem: 1/8000 of it is left
+RESOLUTION, ROUGH = 1e-6, 1e-3  # of ln(1 + lambda), of a fit and of a profile around it
 
 
 @dataclass(frozen=True)
@@ -287,12 +284,8 @@ def solve_theta(given: Problem, ratio: float, start: Array, free: Indices) -> So
     rectangular trust regions, Voglis and Lagaris 2004), or a simplex where steps zigzag. Raises
     `InputError` for a parameter without influence, `SolverError`.
     """
-    if given.moments is not None:
-        return _solve_linear(given, ratio, start, free)
-    return _solve_bounded(given, ratio, start, free)
-
-
-def _solve_linear(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:
+    if given.moments is None:
+        return _solve_bounded(given, ratio, start, free)
     theta, (best, size, normal) = start.copy(), line_at(given, np.full(1, ratio), start, free)
     theta[free] = best[0]
     return Solved(theta, max(float(size[0]), 0.0), normal[0], np.zeros(len(free), bool))
@@ -399,19 +392,15 @@ def criterion_of(given: Problem, ratios: Array, size: Array, normal: Array) -> t
 
 def criteria_at(given: Problem, ratios: Array, start: Array, free: Indices) -> tuple[Array, Array]:
     """Criterion and sigma^2 of `criterion_at` (k,) for many lambda (k,), of a line all at once."""
-    if given.moments is None:
-        return _one_by_one(given, ratios, start, free)
-    return criterion_of(given, ratios, *line_at(given, ratios, start, free)[1:])
-
-
-def _one_by_one(given: Problem, ratios: Array, start: Array, free: Indices) -> tuple[Array, Array]:
-    values, last = np.empty((len(ratios), 2)), start
-    for i, each in enumerate(ratios):
+    if given.moments is not None:
+        return criterion_of(given, ratios, *line_at(given, ratios, start, free)[1:])
+    values, last = np.empty((2, len(ratios))), start
+    for i, ratio in enumerate(ratios):
         # with kinks the best parameters may lie in another valley than those of the last ratio
-        tried = [criterion_at(given, float(each), begin, free) for begin in (last, start)[: i + 1]]
-        *values[i], solved = min(tried, key=lambda known: known[0])
+        tried = [criterion_at(given, float(ratio), begin, free) for begin in (last, start)[: i + 1]]
+        *values[:, i], solved = min(tried, key=lambda each: each[0])
         last = solved.theta
-    return values[:, 0], values[:, 1]
+    return values[0], values[1]
 
 
 def best_ratio(
@@ -423,63 +412,40 @@ def best_ratio(
     """
     from scipy.optimize import minimize_scalar
 
-    if not given.tells_campaigns:
-        value, _, solved = criterion_at(given, 0.0, start, free)
-        return 0.0, value, solved.theta
-    grid = GRID if hint is None else (0.0, *(hint * f for f in NEAR if hint > 0.0))
+    theta, linear = start, given.moments is not None
     tried: dict[float, tuple[float, Array]] = {}
-    theta = start.copy()
 
-    def at(ratio: float) -> float:
+    def at(x: float) -> float:
+        """Criterion at lambda = exp(x) - 1, from the parameters of the last one on."""
         nonlocal theta
-        if ratio not in tried:
-            value, _, solved = criterion_at(given, ratio, theta, free)
-            theta = solved.theta
-            tried[ratio] = value, theta
-        return tried[ratio][0]
+        value, _, solved = criterion_at(given, float(np.expm1(x)), theta, free)
+        theta = solved.theta
+        tried[float(x)] = value, theta
+        return value
 
-    linear = given.moments is not None
-    if linear:
-        values, _ = criteria_at(given, np.array(grid), start, free)
-    else:
-        values = np.array([at(ratio) for ratio in grid])
-    k = int(np.argmin(values))
-    low, high = grid[max(k - 1, 0)], grid[min(k + 1, len(grid) - 1)]
-    if hint is not None and k == len(grid) - 1:  # beyond what was thought near
-        high = max(BEYOND * high, GRID[-1])
-    if linear:
-        ratio, value = _valley(given, low, high, start, free)
-    else:
-        if hint is not None and k == 2 and values[2] < min(values[1], values[3]):
-            # three points are known: a criterion with kinks need not repeat to the last digit
-            few, seen = {"maxiter": STEPS}, dict(zip(np.log(grid[1:]), values[1:], strict=True))
-            result = minimize_scalar(
-                lambda x: seen[x] if x in seen else at(float(np.exp(x))), tuple(seen), options=few
-            )
-            ratio = float(np.exp(result.x))
-        else:
-            wide, enough = np.log1p([low, high]), {"xatol": 1e-4 if hint is None else 2e-2}
-            result = minimize_scalar(lambda x: at(float(np.expm1(x))), bounds=wide, options=enough)
-            ratio = float(np.expm1(result.x))
-        value = float(result.fun)
-    if values[k] <= value:
-        ratio, value = grid[k], float(values[k])
-    if ratio not in tried:
-        return ratio, value, solve_theta(given, ratio, theta, free).theta
-    return ratio, value, tried[ratio][1]
-
-
-def _valley(
-    given: Problem, low: float, high: float, start: Array, free: Indices
-) -> tuple[float, float]:
-    """The lambda from `low` to `high` of the smallest criterion of a linear problem, and that."""
-    left, right = np.log1p(low), np.log1p(high)
-    for _ in range(ROUNDS):
-        t = np.linspace(left, right, CUTS)
-        values, _ = criteria_at(given, np.expm1(t), start, free)
+    def valley(cuts: Array) -> tuple[int, float, float]:
+        """Place of the lowest criterion, and the cuts on either side of it."""
+        values = criteria_at(given, np.expm1(cuts), start, free)[0] if linear else [*map(at, cuts)]
         k = int(np.argmin(values))
-        left, right = t[max(k - 1, 0)], t[min(k + 1, CUTS - 1)]
-    return float(np.expm1(t[k])), float(values[k])
+        return k, float(cuts[max(k - 1, 0)]), float(cuts[min(k + 1, len(cuts) - 1)])
+
+    if not given.tells_campaigns:
+        return 0.0, at(0.0), theta
+    cuts = np.log1p(GRID if hint is None else (0.0, *(hint * f for f in NEAR if hint > 0.0)))
+    k, low, high = valley(cuts)
+    if hint is not None and k == len(cuts) - 1:  # beyond what was thought near
+        high = max(high + np.log(BEYOND), float(np.log1p(GRID[-1])))
+    if linear:
+        at(cuts[k])  # the best of the grid, which finer cuts may miss
+        for _ in range(ROUNDS):
+            cuts = np.linspace(low, high, CUTS)
+            k, low, high = valley(cuts)
+        at(cuts[k])
+    else:
+        options = {"xatol": RESOLUTION if hint is None else ROUGH}
+        minimize_scalar(at, bounds=(low, high), options=options)
+    x = min(tried, key=lambda x: tried[x][0])
+    return float(np.expm1(x)), *tried[x]
 
 
 def _with_tangent(given: Problem, ratio: float, start: Array, free: Indices) -> Problem:

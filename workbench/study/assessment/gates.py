@@ -25,9 +25,7 @@ from numpy.typing import ArrayLike
 
 from workbench.base.arrays import Array
 from workbench.base.errors import InputError
-from workbench.responses import ExpectedError
-from workbench.study.error_model.error_model import PEAK as PEAK
-from workbench.study.error_model.error_model import RESIDUAL as RESIDUAL
+from workbench.responses import PEAK, RESIDUAL, ExpectedError
 from workbench.study.error_model.error_table import COVERAGE as COVERAGE
 
 _NAMED = 4  # cases that a reason names

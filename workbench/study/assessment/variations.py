@@ -17,16 +17,14 @@ from workbench.base.errors import InputError
 from workbench.base.fields import Number, check_keys
 from workbench.models.base import on_one_mesh
 from workbench.models.strain_rate import with_rate
-from workbench.responses import Response, error_of, survives
+from workbench.responses import PEAK, RESIDUAL, Response, error_of, survives
 from workbench.responses.uncertainty import WIDTHS, uncertainty_of
 from workbench.scenarios import ColumnImpact
 from workbench.steel.materials import GRADES, CowperSymonds
 from workbench.study.assessment.gates import (
-    PEAK,
     RATE,
     REFERENCE,
     REMAINS,
-    RESIDUAL,
     TOTAL,
     Term,
     model_form,

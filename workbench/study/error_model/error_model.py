@@ -29,6 +29,8 @@ from workbench.models.base import Model, findings_before, make_model, options_of
 from workbench.models.resistance import column_curve
 from workbench.models.strain_rate import feels_rate, steel_of, with_strain_rate
 from workbench.responses import (
+    PEAK,
+    RESIDUAL,
     ExpectedError,
     Finding,
     Outcome,
@@ -58,7 +60,6 @@ BEYOND = 0.10  # an error of the peak that matters
 FASTER = 1.05  # times the velocity or force, to see whether a collapse is near
 HANGS = "hangs-on"  # subject
 OPEN_END = "the upper end is not measured so close to collapse"
-PEAK, RESIDUAL = "peak_displacement", "residual_displacement"
 
 
 class TruthRatio(NamedTuple):
