@@ -12,7 +12,14 @@ from workbench.mechanics.frames.elastic import dead_load_state
 from workbench.mechanics.frames.members import named, shear_demand
 from workbench.mechanics.structures.bars import PlasticEnd
 from workbench.responses import Finding, finding
-from workbench.scenarios import Frame, FrameImpact, FrameScenario, Member
+from workbench.scenarios import (
+    Frame,
+    FrameGroundMotion,
+    FrameImpact,
+    FrameScenario,
+    FrameStatic,
+    Member,
+)
 from workbench.scenarios.parts import MemberProperties
 from workbench.steel.hinges import ShearSurface, has_webs
 from workbench.steel.materials import Steel
@@ -43,6 +50,20 @@ def catenary_reach(scenario: FrameImpact) -> float:
     force = sum(demand[m.name] * frame.properties(m).shear_resistance for m in struck)
     whole = frame.properties(struck[0])
     return scenario.input_energy * whole.squash_load / max(force * whole.plastic_moment, 1e-300)
+
+
+def catenary_findings(event: FrameScenario) -> list[Finding]:
+    """Warning of hits into catenary action, for hinges that do not stretch as they flow."""
+    if not isinstance(event, FrameImpact) or (reach := catenary_reach(event)) <= CATENARY:
+        return []
+    return [finding("catenary", reach, reach=reach)]
+
+
+def cycle_findings(event: FrameScenario, effect: str) -> list[Finding]:
+    """Warning of repeated loading, which has an `effect` on hinges."""
+    cyclic = isinstance(event, FrameStatic) and len(event.path) > 1
+    shaken = isinstance(event, FrameGroundMotion)
+    return [finding("cycles", effect=effect)] if cyclic or shaken else []
 
 
 def axial_findings(frame: Frame, effect: str) -> list[Finding]:

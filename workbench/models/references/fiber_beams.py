@@ -157,7 +157,7 @@ class FiberCorotational(FiberReference):
         """Where an element samples plasticity, from its end next to a hinge and over its length."""
         return SAMPLED[self.element]
 
-    def elements(self, frame: Frame, mesh: FrameMesh) -> FiberBeams:
+    def fibers(self, frame: Frame, mesh: FrameMesh) -> FiberBeams:
         """Co-rotational beams, balanced or classical."""
         balanced = self.element == BALANCED
         sections = [self.section(frame, member) for member in frame.members]
@@ -213,7 +213,7 @@ class ExactBeams(FiberReference):
         bow = self.out_of_straightness * length * np.sin(np.pi * heights / length)
         return mesh._replace(coordinates=np.stack([bow, heights], axis=1))
 
-    def elements(self, frame: Frame, mesh: FrameMesh) -> ReissnerBeams:
+    def fibers(self, frame: Frame, mesh: FrameMesh) -> ReissnerBeams:
         """Geometrically exact beams."""
         sections = [self.section(frame, member) for member in frame.members]
         return self.beams(mesh.nodes, mesh.member, sections)
