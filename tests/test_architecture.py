@@ -30,7 +30,7 @@ def name_of(path: Path) -> str:
     return ".".join(parts).removesuffix(".__init__")
 
 
-CORE_MODULES, CORE_LINES = 210, 54_250  # 200 and 46 000 are wanted
+CORE_MODULES, CORE_LINES = 200, 52_000  # 46 000 lines are wanted
 NAMES = {name_of(path) for path in MODULES}
 
 

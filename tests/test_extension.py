@@ -85,7 +85,7 @@ from typing import ClassVar
 from workbench.models.frame_model import (
     ELEMENTS, GEOMETRY, REGULARISATION, TIME_STEP, FrameModel
 )
-from workbench.models.hinged_frames import (
+from workbench.extras.frame_models.hinged_frames import (
     SHEAR_FLEXIBLE, STRAIGHT, hinged_group, plastic_end
 )
 
@@ -219,9 +219,9 @@ def add_model(root: Path) -> None:
 
 
 def add_frame_model(root: Path) -> None:
-    (root / "workbench/models/straight_hinge.py").write_text(FRAME_MODEL)
+    (root / "workbench/extras/frame_models/straight_hinge.py").write_text(FRAME_MODEL)
     heading = '[project.entry-points."workbench.models"]\n'
-    entry = 'straight-hinge = "workbench.models.straight_hinge:StraightHinge"\n'
+    entry = 'straight-hinge = "workbench.extras.frame_models.straight_hinge:StraightHinge"\n'
     swap(root / "pyproject.toml", heading, heading + entry)
     (root / "docs/theory/straight-hinge.md").write_text("# `straight-hinge`\n")
     append(root / "docs/thesis.md", "\n`straight-hinge`\n")

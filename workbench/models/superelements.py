@@ -37,7 +37,7 @@ from workbench.mechanics.frames.structure import (
 from workbench.mechanics.impact.pace import Pace
 from workbench.mechanics.structures.superelements import Superelement, Superelements, sway_stiffness
 from workbench.models.batch import admitted
-from workbench.models.domain import DIRECT_SHEAR
+from workbench.models.domain import DIRECT_SHEAR, given_strength, web_findings, web_of
 from workbench.models.frame_model import (
     ELEMENTS,
     GEOMETRY,
@@ -48,7 +48,6 @@ from workbench.models.frame_model import (
     FrameModel,
     as_frame,
 )
-from workbench.models.hinge_limits import given_strength, web_findings, web_of
 from workbench.models.strain_rate import (
     FACTOR,
     RATE_LEVELS,

@@ -42,9 +42,8 @@ from workbench.mechanics.structures.fibers.section import (
     radau_rule,
 )
 from workbench.models.base import respond
-from workbench.models.domain import DIRECT_SHEAR, shear_demand
+from workbench.models.domain import DIRECT_SHEAR, shear_demand, web_findings, web_of
 from workbench.models.frame_model import COLUMNS, as_frame
-from workbench.models.hinge_limits import web_findings, web_of
 from workbench.models.references.fiber import (
     BALANCED_RULE,
     CLASSICAL_RULE,

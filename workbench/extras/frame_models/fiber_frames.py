@@ -16,6 +16,15 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.base.fields import Choice, Number, checked
+from workbench.extras.frame_models import hinge_limits
+from workbench.extras.frame_models.bars import (
+    BarElements,
+    Quadrature,
+    fiber_bars,
+    hinge_rule,
+    lobatto_rule,
+)
+from workbench.extras.frame_models.hinged_frames import SHEAR_FLEXIBLE, plastic_bars, plastic_end
 from workbench.mechanics.frames.members import (
     CALIBRATED,
     LAYERS,
@@ -25,18 +34,9 @@ from workbench.mechanics.frames.members import (
     residual_findings,
 )
 from workbench.mechanics.frames.structure import Cut
-from workbench.mechanics.structures.bars import (
-    BarElements,
-    Quadrature,
-    fiber_bars,
-    hinge_rule,
-    lobatto_rule,
-)
 from workbench.mechanics.structures.fibers import PATTERNS, BeamSection, section_fibers
 from workbench.mechanics.structures.fibers.section import LinearHardening, yielding_in_bending
-from workbench.models import hinge_limits
 from workbench.models.frame_model import ELEMENTS, GEOMETRY, REGULARISATION, TIME_STEP, FrameModel
-from workbench.models.hinged_frames import SHEAR_FLEXIBLE, plastic_bars, plastic_end
 from workbench.responses import Finding
 from workbench.scenarios import Frame, FrameScenario, Member
 

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from builders import thesis_frame
 
-from workbench.mechanics.frames.members import fiber_section
-from workbench.mechanics.structures.fibers.section import spread_of_yield
-from workbench.models.frame_model import FrameModel
-from workbench.models.hinged_frames import (
+from workbench.extras.frame_models.hinged_frames import (
     Giberson,
     PlasticHinge,
     QuasiPlasticHinge,
     RefinedPlasticHinge,
 )
+from workbench.mechanics.frames.members import fiber_section
+from workbench.mechanics.structures.fibers.section import spread_of_yield
+from workbench.models.frame_model import FrameModel
 from workbench.models.references.fiber_beams import FiberCorotational, FiberReissner
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.responses import warnings_of

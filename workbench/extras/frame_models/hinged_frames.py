@@ -17,9 +17,8 @@ import numpy as np
 
 from workbench.base.arrays import Array
 from workbench.base.fields import Choice, Flag, Number, checked
-from workbench.mechanics.frames.members import CALIBRATED, fiber_section, shear_stiffness
-from workbench.mechanics.frames.structure import Cut, FrameStructure, Piece, joint_surface, series
-from workbench.mechanics.structures.bars import (
+from workbench.extras.frame_models import hinge_limits
+from workbench.extras.frame_models.bars import (
     NO_INTERACTION,
     Bar,
     BarElements,
@@ -27,8 +26,9 @@ from workbench.mechanics.structures.bars import (
     hinged_bars,
     refined_bars,
 )
+from workbench.mechanics.frames.members import CALIBRATED, fiber_section, shear_stiffness
+from workbench.mechanics.frames.structure import Cut, FrameStructure, Piece, joint_surface, series
 from workbench.mechanics.structures.fibers.section import spread_of_yield
-from workbench.models import hinge_limits
 from workbench.models.frame_model import (
     ELEMENTS,
     GEOMETRY,
