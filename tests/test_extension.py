@@ -72,7 +72,7 @@ METRIC = '''
     low=0.0,
     spread=lambda s, d, own, other: 2.0 * abs(s / d - 1.0) * (own + s / d * other) / d,
 )
-def squared_error(pair: Pair) -> float:
+def squared_error(pair: ResponsePair) -> float:
     """Relative error squared."""
     return (pair.value / pair.reference - 1.0) ** 2
 '''

@@ -400,7 +400,7 @@ class FiberReference(FrameModel):
         return [f for f in super().domain(scenario) if f.refusal or f.subject not in followed]
 
     def limits(self, event: FrameScenario) -> list[Finding]:
-        """What fibers or mesh leave out."""
+        """Joints, overrides and meshes that fibers do not follow."""
         return [
             *joint_findings(event.frame),
             *fiber_overrides(event.frame, self.layers),
