@@ -12,7 +12,7 @@ import sys
 import numpy as np
 
 from workbench.cli import main
-from workbench.models.hinged_frames import PlasticHinge
+from workbench.extras.frame_models.hinged_frames import PlasticHinge
 from workbench.models.references.fiber_beams import FiberReissner
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.scenarios import Frame, FramePulse, FrameStatic, Load, Member, Node, Pulse

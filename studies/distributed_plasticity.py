@@ -10,8 +10,8 @@ import sys
 from dataclasses import replace
 
 from workbench.cli import main
+from workbench.extras.frame_models.fiber_frames import ForceBasedBeam
 from workbench.models.base import Model
-from workbench.models.fiber_frames import ForceBasedBeam
 from workbench.models.references.fiber_beams import FiberCorotational, FiberReissner
 from workbench.scenarios import (
     Frame,

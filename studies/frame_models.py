@@ -10,13 +10,13 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.cli import main
-from workbench.models.fiber_frames import (
+from workbench.extras.frame_models.fiber_frames import (
     BoundingSurface,
     FiberHinge,
     ForceBasedBeam,
     ModifiedTangentModulus,
 )
-from workbench.models.hinged_frames import (
+from workbench.extras.frame_models.hinged_frames import (
     Giberson,
     PlasticHinge,
     QuasiPlasticHinge,

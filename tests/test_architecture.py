@@ -30,8 +30,7 @@ def name_of(path: Path) -> str:
     return ".".join(parts).removesuffix(".__init__")
 
 
-# 200 and 46 000 are wanted; 400 lines are the numpydoc sections of the public names
-CORE_MODULES, CORE_LINES = 211, 54_500
+CORE_MODULES, CORE_LINES = 200, 52_400  # 46 000 lines are wanted
 NAMES = {name_of(path) for path in MODULES}
 
 

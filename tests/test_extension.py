@@ -79,26 +79,40 @@ def squared_error(pair: ResponsePair) -> float:
 FRAME_MODEL = '''
 """Frames whose hinges lose moment along a straight line."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
-import numpy as np
-
-from workbench.models.hinged_frames import BarHinges
+from workbench.models.frame_model import (
+    ELEMENTS, GEOMETRY, REGULARISATION, TIME_STEP, FrameModel
+)
+from workbench.extras.frame_models.hinged_frames import (
+    SHEAR_FLEXIBLE, STRAIGHT, hinged_group, plastic_end
+)
 
 
 @dataclass(frozen=True)
-class StraightHinge(BarHinges):
+class StraightHinge(FrameModel):
     """Hinges with a straight line of N and M."""
+
+    elements: int | None = ELEMENTS()
+    time_step: float | None = TIME_STEP()
+    regularisation: float = REGULARISATION()
+    geometry: str = GEOMETRY()
+    shear_flexible: bool = SHEAR_FLEXIBLE()
 
     name: ClassVar[str] = "straight-hinge"
     version: ClassVar[int] = 1
     sources: ClassVar[tuple[str, ...]] = ("orbison1982",)
     assumptions: ClassVar[tuple[str, ...]] = ("Straight yield line.",)
 
-    def curve(self, frame, piece, joint_governs):
-        """All hinges."""
-        return np.array([[0.0, 1.0], [1.0, 0.0]])
+    def group(self, frame, cut):
+        """Bars with these hinges."""
+        return hinged_group(self, frame, cut, straight_end)
+
+
+def straight_end(frame, piece, side):
+    """The hinge at one end."""
+    return replace(plastic_end(frame, piece, side), curve=STRAIGHT)
 '''
 LAW = '''@dataclass(frozen=True)
 class HyperbolicLaw(Law):
@@ -204,9 +218,9 @@ def add_model(root: Path) -> None:
 
 
 def add_frame_model(root: Path) -> None:
-    (root / "workbench/models/straight_hinge.py").write_text(FRAME_MODEL)
+    (root / "workbench/extras/frame_models/straight_hinge.py").write_text(FRAME_MODEL)
     heading = '[project.entry-points."workbench.models"]\n'
-    entry = 'straight-hinge = "workbench.models.straight_hinge:StraightHinge"\n'
+    entry = 'straight-hinge = "workbench.extras.frame_models.straight_hinge:StraightHinge"\n'
     swap(root / "pyproject.toml", heading, heading + entry)
     (root / "docs/theory/straight-hinge.md").write_text("# `straight-hinge`\n")
     append(root / "docs/thesis.md", "\n`straight-hinge`\n")

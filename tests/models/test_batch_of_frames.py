@@ -11,10 +11,10 @@ import pytest
 
 from workbench.base.datafiles import data_directory
 from workbench.base.errors import OutOfDomainError, SolverError
+from workbench.extras.frame_models.hinged_frames import Giberson
 from workbench.models import superelements
 from workbench.models.base import Model
 from workbench.models.batch import FAILURE, OUTCOME, simulate_many
-from workbench.models.hinged_frames import Giberson
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import outcome_of, scalars_of
 from workbench.scenarios import FrameImpact, load_scenario, to_toml

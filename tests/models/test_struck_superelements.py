@@ -12,7 +12,7 @@ from workbench.mechanics.frames.structure import curvature_shares
 from workbench.mechanics.impact.pace import late_peak
 from workbench.models.frame_model import as_frame
 from workbench.models.references.fiber_beams import FiberShear
-from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
+from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement, pace_of
 from workbench.responses import warnings_of
 from workbench.scenarios import (
     Column,
@@ -149,7 +149,7 @@ def test_a_late_peak_that_small_steps_do_not_find_is_looked_for_later() -> None:
 
 
 def test_peaks_that_come_late_are_told_from_first_ones() -> None:
-    pace = RigidSuperelement().pace(as_frame(ColumnImpact("hit", THESIS, Striker(10.0, 5.0))))
+    pace = pace_of(RigidSuperelement(), as_frame(ColumnImpact("hit", THESIS, Striker(10.0, 5.0))))
     time = np.linspace(0.0, 0.1, 101)
     push = np.where(time < 0.004, 1.0, 0.0)
     for share, late in ((0.5, 0.0), (0.995, 0.0785), (1.2, 0.0785)):

@@ -13,7 +13,7 @@ import pytest
 from toy_models import Spring, Troubled
 
 from workbench.base.errors import InputError
-from workbench.models.hinged_frames import PlasticHinge
+from workbench.extras.frame_models.hinged_frames import PlasticHinge
 from workbench.responses import Finding
 from workbench.scenarios import ColumnPushover, FrameStatic, Load, Scenario, regular_frame
 from workbench.steel.sections import square

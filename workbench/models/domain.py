@@ -1,7 +1,8 @@
-"""Where member models stop applying: loads, stability, plastic shear; input of odd size."""
+"""Where member models stop applying: loads, stability, plastic shear, webs; odd input."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
+from functools import lru_cache
 from math import pi
 from typing import Any
 
@@ -26,13 +27,19 @@ from workbench.scenarios import (
     MemberPulse,
     Scenario,
 )
+from workbench.scenarios.parts import MemberProperties
 from workbench.scenarios.pulse import UNIFORM
-from workbench.steel.hinges import ShearSurface
+from workbench.steel.hinges import ShearSurface, has_webs
+from workbench.steel.materials import Steel
+from workbench.steel.sections import Section
 
 BUCKLING_WARNING = 2.0  # critical factor below which second-order effects dominate
 _ENOUGH = 8  # bars of members that a light striker does not hit: their first modes within 3 %
 _MUCH_SHARED = 0.08  # of the energy, lost in the first collision with the elements beside it
 _SHARE = 0.1  # of the mass, that may be missing
+STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
+SLENDER = 0.83 * 86.4 / STOCKY  # of that: chi_w = 0.83 / lambda_w is 1, EN 1993-1-5, table 5.1
+FEW_PERCENT, MUCH = 0.01, 0.1  # between the strength of a section and that of a member
 
 
 def frame_findings(scenario: FrameScenario) -> list[Finding]:
@@ -249,6 +256,72 @@ def stub_findings(surface: ShearSurface, lengths: Mapping[str, float]) -> list[F
             flanges = surface.flange_mechanism / length / surface.shear_resistance
             findings.append(finding("stub", heights, segment=name, least=_STUB, flanges=flanges))
     return findings
+
+
+@lru_cache(maxsize=64)
+def web_of(section: Section, steel: Steel) -> ShearSurface | None:
+    """The web of a section that yields in shear, if it has one."""
+    return ShearSurface(section, steel) if has_webs(section) else None
+
+
+def web_findings(webs: Mapping[str, ShearSurface | None]) -> list[Finding]:
+    """Of webs that yield in shear, by names of their members: whether they buckle before.
+
+    EN 1993-1-5, 5.1: from a clear height over thickness of 72 epsilon / eta on, eta 1.2, buckling
+    takes of the strength, first what hardening adds to f_y / sqrt 3: a warning. From chi_w = 1 on
+    (table 5.1) it takes of that, which is all that models have: a refusal.
+    """
+    alike: dict[ShearSurface, list[str]] = {}
+    for name, web in webs.items():
+        if web is not None and web_slenderness(web) > 1.0:
+            alike.setdefault(web, []).append(name)
+    findings = []
+    for web, names in alike.items():
+        more = f" (and {len(names) - 1} alike)" if len(names) > 1 else ""
+        slenderness, member = web_slenderness(web), f"member {names[0]}{more}"
+        key = "shear-buckling" if slenderness > SLENDER else "slender-web"
+        findings.append(finding(key, slenderness, member=member, limit=SLENDER))
+    return findings
+
+
+def panel_findings(surface: ShearSurface, properties: MemberProperties) -> list[Finding]:
+    """Where panels stop applying to a column: web buckling, strength that is not the section's.
+
+    A plastic moment or squash load more than 10 % off the section's is a refusal, above 1 % off a
+    warning. For the webs see `web_findings`.
+    """
+    findings, ratio = web_findings({"column": surface}), strength_ratio(surface, properties)
+    if given_strength(surface, properties):
+        far = abs(ratio - 1.0) > MUCH
+        findings.append(finding("plates", ratio, refusal=far, member="the column"))
+    return findings
+
+
+def panel_refused(surface: ShearSurface, properties: MemberProperties) -> Any:
+    """Whether there is a refusal among `panel_findings`; flags of a stack."""
+    far = abs(strength_ratio(surface, properties) - 1.0) > MUCH
+    return (web_slenderness(surface) > SLENDER) | far
+
+
+def web_slenderness(surface: ShearSurface) -> Any:
+    """Slenderness of the webs over the bound 72 epsilon / eta."""
+    return surface.web_slenderness / (STOCKY * np.sqrt(235e6 / surface.steel.yield_stress))
+
+
+def given_strength(surface: ShearSurface, properties: MemberProperties) -> bool:
+    """Whether a member is given another strength than its plates have."""
+    return bool(abs(strength_ratio(surface, properties) - 1.0) > FEW_PERCENT)
+
+
+def strength_ratio(surface: ShearSurface, properties: MemberProperties) -> Any:
+    """Strength of the plates over that of the member.
+
+    Moment or axial force, whichever is farther from 1.
+    """
+    moment = surface.plastic_moment / properties.plastic_moment
+    axial = surface.squash_load / properties.squash_load
+    ratio: Any = np.where(abs(axial - 1.0) > abs(moment - 1.0), axial, moment)[()]
+    return ratio
 
 
 def implausible(scenario: Scenario) -> list[Finding]:

@@ -8,6 +8,7 @@ stay. Level B (option `rate_level`): bars that flow point by point (`hinges.rate
 place of hinges on a yield surface. See docs/theory/strain-rate.md.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from workbench.mechanics.frames.structure import joint_surface
 from workbench.models.domain import mechanism_demand
 from workbench.responses import Finding, finding
 from workbench.scenarios import ColumnImpact, Frame, FrameImpact
-from workbench.steel.hinges import YieldSurface, has_shear_surface
+from workbench.steel.hinges import ShearSurface, YieldSurface, has_shear_surface
 from workbench.steel.hinges.panel_elements import (
     bar_law,
     hinge_overstress,
@@ -146,13 +147,16 @@ def check_bars(model: Any) -> None:
             raise model.refusal(name, f"is not known with rate_level = {BARS}", advice)
 
 
-def laws_of(model: Any, frame: Frame) -> dict[str, Any]:
-    """The records by which the bars of each member flow, by its name; none where they do not."""
+def laws_of(model: Any, frame: Frame, webs: Mapping[str, ShearSurface | None]) -> dict[str, Any]:
+    """The records by which the bars of each member flow, by its name; none where they do not.
+
+    Argument: `webs` of the members that yield in shear, None of others.
+    """
     if not flows(model, frame.steel):
         return {}
     laws = {}
     for m in frame.members:
-        p, web = frame.properties(m), model.yielding_web(frame, m)
+        p, web = frame.properties(m), webs[m.name]
         section, bounds = frame.strength_section(m), (p.squash_load, p.plastic_moment)
         laws[m.name] = panel_law(web) if web else bar_law(section, frame.steel, *bounds)
     return laws

@@ -11,26 +11,24 @@ the hinges, k_u = 2 EA/L and k_theta = 6 EI/L; a flexible one (paper III) has it
 ten times as stiff. Projection, inertia and time steps: docs/theory/superelements.md.
 """
 
-from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import ceil, inf
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 from workbench.base.errors import OutOfDomainError, SolverError
 from workbench.base.fields import Choice, Number, checked
-from workbench.mechanics.frames import out_of_domain
 from workbench.mechanics.frames.elastic import wave_times
 from workbench.mechanics.frames.members import named, shear_findings
 from workbench.mechanics.frames.runs import measure_impact, run_impact
 from workbench.mechanics.frames.struck import StruckNumbers, StruckRecord, strike
 from workbench.mechanics.frames.structure import (
+    Cut,
     FrameStructure,
     HingeSurfaces,
     Piece,
     curvature_shares,
-    cut_members,
     hinge_ends,
     joint_surface,
     series,
@@ -38,11 +36,18 @@ from workbench.mechanics.frames.structure import (
 )
 from workbench.mechanics.impact.pace import Pace
 from workbench.mechanics.structures.superelements import Superelement, Superelements, sway_stiffness
-from workbench.models.bar_frames import LEAST_STEPS, BarFrames
 from workbench.models.batch import admitted
-from workbench.models.domain import DIRECT_SHEAR
-from workbench.models.frame_model import COLUMNS, Clock, as_column, as_frame
-from workbench.models.hinge_limits import given_strength, web_findings, web_of
+from workbench.models.domain import DIRECT_SHEAR, given_strength, web_findings, web_of
+from workbench.models.frame_model import (
+    ELEMENTS,
+    GEOMETRY,
+    LEAST_STEPS,
+    REGULARISATION,
+    TIME_STEP,
+    Clock,
+    FrameModel,
+    as_frame,
+)
 from workbench.models.strain_rate import (
     FACTOR,
     RATE_LEVELS,
@@ -50,7 +55,6 @@ from workbench.models.strain_rate import (
     check_bars,
     flows,
     laws_of,
-    with_rate,
 )
 from workbench.responses import Finding, Response, finding
 from workbench.scenarios import (
@@ -86,193 +90,163 @@ COMMON = (
 )
 
 
-@dataclass(frozen=True)
-class _HingedBars(BarFrames):
-    """Superelements; a model says what its bars are.
+Bars: TypeAlias = "RigidSuperelement | FlexibleSuperelement"
+# options of both models, each declared by a model in a line
+EXPONENT = partial(checked, Number(1.0, 20.0), optional=True)
+SHEAR = partial(checked, Choice(("panel", "elastic", "none")), "panel")
+SHARE = partial(checked, Number(1e-5, 0.1, advice="a share of the peak, 1e-3 by default"), ACCURACY)
+RATE_LEVEL = partial(checked, Choice(RATE_LEVELS), FACTOR)
 
-    Shared options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
-    fitted to the exact N-M envelope of the section and stated to one decimal); `shear`, panel: webs
-    yield, elastic: they only deform, none: members are rigid in shear; `accuracy` that steps by
-    error aim at, as a share of the peak; `rate_level` as of `four-dof`; `time_step` None: by
-    the error, of frames that peak after several rebounds up to 0.6 % off the
-    peak, of columns whose light striker is thrown off mostly 1 %, a few 7 %.
+
+class Webs(NamedTuple):
+    """Webs of the members of a frame that yield in shear, by name, and findings about them.
+
+    None of members which are rigid in shear, or given another strength than their web has.
     """
 
-    alpha: float | None = checked(Number(1.0, 20.0), optional=True)
-    beta: float | None = checked(Number(1.0, 20.0), optional=True)
-    shear: str = checked(Choice(("panel", "elastic", "none")), "panel")
-    accuracy: float = checked(
-        Number(1e-5, 0.1, advice="a share of the peak, 1e-3 by default"), ACCURACY
-    )
-    rate_level: str = checked(Choice(RATE_LEVELS), FACTOR)
-
-    sources: ClassVar[tuple[str, ...]] = ("heng2017",)
-
-    def check(self) -> None:
-        """Refuse options that viscoplastic bars do not know."""
-        super().check()
-        check_bars(self)
-
-    def member_surface(self, frame: Frame, member: Member) -> YieldSurface | ShearSurface:
-        """The yield surface of the hinges of a member, joints of its full strength."""
-        return self.yielding_web(frame, member) or self._ellipse(frame, member)
-
-    def _ellipse(self, frame: Frame, member: Member) -> YieldSurface:
-        """Yield surface of a member which is rigid in shear."""
-        properties = frame.properties(member)
-        alpha, beta = fitted_exponents(frame.strength_section(member), decimals=1)
-        exponents = self.alpha or alpha, self.beta or beta
-        return _surface(properties.squash_load, properties.plastic_moment, *exponents)
-
-    def structure(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
-        """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
-        return self._standing(scenario).fresh()
-
-    def _standing(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
-        """Structure under its dead loads for a scenario, kept for many runs."""
-        event = as_frame(scenario)
-        if event.STATIC:
-            event = with_rate(event, None)
-        return _standing(self, event.frame, tuple(self.parts(event)), isinstance(scenario, COLUMNS))
-
-    def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
-        """Solve as in `FrameModel`; compiled steps leave the kept structure as it is."""
-        if isinstance(as_frame(scenario), FrameImpact):
-            return self.run(as_frame(scenario), self._standing(scenario))
-        return super().solve(scenario)
-
-    def bring_up(self, frame: Frame, parts: Sequence[int]) -> FrameStructure:
-        """A frame with so many elements of every member, under its dead loads."""
-        coordinates, nodes, pieces = cut_members(frame, parts)
-        surfaces = {m.name: self._ellipse(frame, m) for m in frame.members}
-        elements, laws = [], laws_of(self, frame)
-        for piece in pieces:
-            name, section = piece.member.name, frame.strength_section(piece.member)
-            first, last = (joint_surface(surfaces[name], j) for j in piece.joints)
-            whole, law = bool(laws) or first == last == surfaces[name], laws.get(name)
-            deforms = self.shear in (("panel", "elastic") if whole else ("elastic",))
-            web = web_of(section, frame.steel) if deforms else None
-            bars = self._piece(piece, (first, last))
-            yields = self.yielding_web(frame, piece.member) is not None
-            elements.append(replace(bars, web=web, web_yields=yields, law=law))
-        group = Superelements(
-            nodes, elements, regularisation=self.regularisation, first_order=self.first_order
-        )
-        structure = self.stand(frame, (coordinates, nodes, pieces), group, parts)
-        share = group.envelope_share()
-        if frame.steel.rate is not None and share >= 1.0:
-            raise out_of_domain("bars-at-rest", share=share)
-        return structure
-
-    @property
-    def shear_yields(self) -> bool:
-        """Whether webs slide where they carry less than their mechanism needs."""
-        return self.shear == "panel"
-
-    def yielding_web(self, frame: Frame, member: Member) -> ShearSurface | None:
-        """The web of a member that yields in shear, if it does; none where a strength is given."""
-        if not self.shear_yields or self._has_own_strength(frame, member):
-            return None
-        return web_of(frame.strength_section(member), frame.steel)
-
-    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
-        """Findings of all member models, of shear only where members are rigid in it."""
-        event = as_frame(scenario)
-        findings, (rigid, of_webs) = super().domain(scenario), _about_webs(self, event.frame)
-        if len(rigid) < len(event.frame.members):
-            known = ("shear", DIRECT_SHEAR if getattr(event, "members", ()) else "")
-            findings = [finding for finding in findings if finding.subject not in known]
-            findings += shear_findings(event, rigid) if rigid else []
-        return findings + of_webs
-
-    def about_webs(self, frame: Frame) -> tuple[set[str], list[Finding]]:
-        """Names of the members that are rigid in shear; findings of the webs of the others."""
-        webs = {m.name: self.yielding_web(frame, m) for m in frame.members}
-        findings = about_bars(frame) if flows(self, frame.steel) else []
-        if any(webs.values()) and not (self.alpha is None and self.beta is None):
-            findings.append(finding("exponents"))
-        findings += web_findings(webs)
-        own = [m.name for m in frame.members if self._has_own_strength(frame, m)]
-        if own:
-            findings.append(finding("given-strength", members=named(own)))
-        return {name for name, web in webs.items() if web is None}, findings
-
-    def _has_own_strength(self, frame: Frame, member: Member) -> bool:
-        """Whether the web of a member would yield, but for the strength that it is given."""
-        web = web_of(frame.strength_section(member), frame.steel) if self.shear_yields else None
-        return web is not None and given_strength(web, frame.properties(member))
-
-    @abstractmethod
-    def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
-        """The superelement of a piece of a member."""
-
-    def pace(self, scenario: FrameImpact) -> Pace:
-        """How an impact is stepped through: by the error, or with `time_step`."""
-        duration, spacing = scenario.duration, (1.0 - 1e-6) * scenario.duration / RECORDS
-        waves = zip(wave_times(scenario.frame), self.parts(scenario), strict=True)
-        share = self.accuracy / ACCURACY
-        first = share * FIRST * min(wave / parts for wave, parts in waves)
-        if self.time_step is not None:
-            step = duration / ceil(duration / self.time_step - 1e-9)
-            return Pace(duration, min(first, step), step, inf, inf, inf, spacing, MOST_STEPS)
-        longest = share**0.5 * duration / LEAST_STEPS  # an error of second order
-        error, vibration, flow = (share * each for each in CONTROL)
-        first = min(first, longest)
-        return Pace(duration, first, longest, error, vibration, flow, spacing, MOST_STEPS)
-
-    def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
-        """Run an impact, as in `FrameModel`; anew where the peak came in long steps."""
-        pace, largest = self.pace(scenario), self.largest_error
-        return strike(scenario, structure, pace, StruckRecord, run_impact, largest, clock.timed)
-
-    def numbers(self, scenario: Any) -> dict[str, float] | None:
-        """The scalars alone of the response to an impact, see `models.batch`; None of others.
-
-        None as well where it is refused or fails. Raises `CollapseError`.
-        """
-        struck = scenario.KIND in (FrameImpact.KIND, ColumnImpact.KIND)
-        solved = admitted(self, scenario) if struck else None
-        if solved is None:
-            return None
-        event: Any = as_frame(solved)
-        pace, largest = self.pace(event), self.largest_error
-        try:
-            standing = self._standing(solved)
-            return strike(event, standing, pace, StruckNumbers, measure_impact, largest, iter)
-        except (SolverError, OutOfDomainError):
-            return None
-
-
-@lru_cache(maxsize=16)
-def _standing(
-    model: _HingedBars, frame: Frame, parts: tuple[int, ...], column: bool
-) -> FrameStructure:
-    """The frame under its dead loads, or `column`, kept for many strikers."""
-    structure = model.bring_up(frame, parts)
-    return as_column(structure) if column else structure
+    yielding: dict[str, ShearSurface | None]
+    findings: list[Finding]
 
 
 @lru_cache(maxsize=64)
-def _about_webs(model: _HingedBars, frame: Frame) -> tuple[set[str], list[Finding]]:
-    """Members that are rigid in shear and findings of webs, kept for many strikers."""
-    return model.about_webs(frame)
+def webs_of(model: Bars, frame: Frame) -> Webs:
+    """The webs of a frame, kept for many strikers."""
+    webs, given = {}, []
+    for m in frame.members:
+        web = web_of(frame.strength_section(m), frame.steel) if model.shear_yields else None
+        if web is not None and given_strength(web, frame.properties(m)):
+            given.append(m.name)
+            web = None
+        webs[m.name] = web
+    findings = about_bars(frame) if flows(model, frame.steel) else []
+    if any(webs.values()) and not (model.alpha is None and model.beta is None):
+        findings.append(finding("exponents"))
+    findings += web_findings(webs)
+    if given:
+        findings.append(finding("given-strength", members=named(given)))
+    return Webs(webs, findings)
+
+
+def about_webs(
+    model: Bars, scenario: FrameScenario | ColumnScenario, findings: list[Finding]
+) -> list[Finding]:
+    """Findings of a domain, of shear only where members are rigid in it, and those of webs."""
+    event = as_frame(scenario)
+    webs = webs_of(model, event.frame)
+    rigid = {name for name, web in webs.yielding.items() if web is None}
+    if len(rigid) < len(event.frame.members):
+        known = ("shear", DIRECT_SHEAR if getattr(event, "members", ()) else "")
+        findings = [finding for finding in findings if finding.subject not in known]
+        findings += shear_findings(event, rigid) if rigid else []
+    return findings + webs.findings
+
+
+def ellipse(model: Bars, frame: Frame, member: Member) -> YieldSurface:
+    """Yield surface of a member which is rigid in shear."""
+    properties = frame.properties(member)
+    alpha, beta = fitted_exponents(frame.strength_section(member), decimals=1)
+    exponents = model.alpha or alpha, model.beta or beta
+    return _surface(properties.squash_load, properties.plastic_moment, *exponents)
+
+
+def superelements(
+    model: Bars, frame: Frame, cut: Cut, bar: Callable[[Piece, HingeSurfaces], Superelement]
+) -> Superelements:
+    """The superelements of pieces of members, each a `bar` of its piece and surfaces of hinges."""
+    surfaces = {m.name: ellipse(model, frame, m) for m in frame.members}
+    yielding, elements = webs_of(model, frame).yielding, []
+    laws = laws_of(model, frame, yielding)
+    for piece in cut.pieces:
+        name, section = piece.member.name, frame.strength_section(piece.member)
+        first, last = (joint_surface(surfaces[name], j) for j in piece.joints)
+        whole, law = bool(laws) or first == last == surfaces[name], laws.get(name)
+        deforms = model.shear in (("panel", "elastic") if whole else ("elastic",))
+        web = web_of(section, frame.steel) if deforms else None
+        yields = yielding[name] is not None
+        elements.append(replace(bar(piece, (first, last)), web=web, web_yields=yields, law=law))
+    return Superelements(
+        cut.nodes,
+        elements,
+        regularisation=model.regularisation,
+        first_order=model.first_order,
+    )
+
+
+def pace_of(model: Bars, scenario: FrameImpact) -> Pace:
+    """How an impact is stepped through: by the error, or with `time_step`."""
+    duration, spacing = scenario.duration, (1.0 - 1e-6) * scenario.duration / RECORDS
+    waves = zip(wave_times(scenario.frame), model.parts(scenario), strict=True)
+    share = model.accuracy / ACCURACY
+    first = share * FIRST * min(wave / parts for wave, parts in waves)
+    if model.time_step is not None:
+        step = duration / ceil(duration / model.time_step - 1e-9)
+        return Pace(duration, min(first, step), step, inf, inf, inf, spacing, MOST_STEPS)
+    longest = share**0.5 * duration / LEAST_STEPS  # an error of second order
+    error, vibration, flow = (share * each for each in CONTROL)
+    first = min(first, longest)
+    return Pace(duration, first, longest, error, vibration, flow, spacing, MOST_STEPS)
+
+
+def march(
+    model: Bars,
+    scenario: FrameImpact,
+    structure: FrameStructure,
+    timed: Callable[[Iterator[Any]], Iterator[Any]],
+) -> Response:
+    """The response to an impact, its steps `timed`; anew where the peak came in long steps."""
+    pace, largest = pace_of(model, scenario), model.largest_error
+    return strike(scenario, structure, pace, StruckRecord, run_impact, largest, timed)
+
+
+def numbers_of(model: Bars, scenario: Any) -> dict[str, float] | None:
+    """The scalars alone of the response to an impact, see `models.batch`; None of others.
+
+    None as well where it is refused or fails. Raises `CollapseError`.
+    """
+    struck = scenario.KIND in (FrameImpact.KIND, ColumnImpact.KIND)
+    solved = admitted(model, scenario) if struck else None
+    if solved is None:
+        return None
+    event: Any = as_frame(solved)
+    pace, largest = pace_of(model, event), model.largest_error
+    try:
+        standing = model.standing(solved)
+        return strike(event, standing, pace, StruckNumbers, measure_impact, largest, iter)
+    except (SolverError, OutOfDomainError):
+        return None
 
 
 @dataclass(frozen=True)
-class RigidSuperelement(_HingedBars):
+class RigidSuperelement(FrameModel):
     """Rigid bars between generalized hinges (Heng 2017, paper IV).
 
     Options: `rotational_stiffness`, c of the hinge stiffness c EI/L (6: exact in sway; a member
     that ends in a pin gets half of it at the other end; None: 6 of one element, several are exact
     together); that along the bar is 2 EA/L, exact; `inertia` of the turning bar, nonlinear,
-    linear (of the initial position) or none.
+    linear (of the initial position) or none. Of both superelements: `alpha`, `beta`, exponents of
+    the yield surface of moment and axial force (None: fitted to the exact N-M envelope of the
+    section and stated to one decimal); `shear`, panel: webs yield, elastic: they only deform, none:
+    members are rigid in shear; `accuracy` that steps by error aim at, as a share of the peak;
+    `rate_level` as of `four-dof`; `time_step` None: by the error, of frames that peak after several
+    rebounds up to 0.6 % off the peak, of columns whose light striker is thrown off mostly 1 %, a
+    few 7 %.
     """
 
+    elements: int | None = ELEMENTS()
+    time_step: float | None = TIME_STEP()
+    regularisation: float = REGULARISATION()
+    geometry: str = GEOMETRY()
+    alpha: float | None = EXPONENT()
+    beta: float | None = EXPONENT()
+    shear: str = SHEAR()
+    accuracy: float = SHARE()
+    rate_level: str = RATE_LEVEL()
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
     inertia: str = checked(Choice(INERTIAS), "nonlinear")
 
     name: ClassVar[str] = "rigid-superelement"
     version: ClassVar[int] = 20
+    sources: ClassVar[tuple[str, ...]] = ("heng2017",)
     least_parts: ClassVar[int] = 2
     far_parts: ClassVar[int] = 1  # with two rigid bars two of 34 frames were 11 and 18 % low
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -281,7 +255,35 @@ class RigidSuperelement(_HingedBars):
         *COMMON,
     )
 
-    def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
+    @property
+    def shear_yields(self) -> bool:
+        """Whether webs slide where they carry less than their mechanism needs."""
+        return self.shear == "panel"
+
+    def check(self) -> None:
+        """Refuse options that viscoplastic bars do not know."""
+        check_bars(self)
+
+    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
+        """Findings of all member models, of shear only where members are rigid in it."""
+        return about_webs(self, scenario, super().domain(scenario))
+
+    def member_surface(self, frame: Frame, member: Member) -> YieldSurface | ShearSurface:
+        """The yield surface of the hinges of a member, joints of its full strength."""
+        return webs_of(self, frame).yielding[member.name] or ellipse(self, frame, member)
+
+    def numbers(self, scenario: Any) -> dict[str, float] | None:
+        """The scalars alone of the response to an impact, see `numbers_of`."""
+        return numbers_of(self, scenario)
+
+    def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
+        return march(self, scenario, structure, clock.timed)
+
+    def group(self, frame: Frame, cut: Cut) -> Superelements:
+        """The superelements."""
+        return superelements(self, frame, cut, self._bar)
+
+    def _bar(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
         if piece.parts == 1 or self.rotational_stiffness is not None:
             factor = (self.rotational_stiffness or 6.0) / 6.0
             bending = sway_stiffness(piece.length, factor * piece.bending, piece.pins)
@@ -300,28 +302,67 @@ class RigidSuperelement(_HingedBars):
 
 
 @dataclass(frozen=True)
-class FlexibleSuperelement(_HingedBars):
+class FlexibleSuperelement(FrameModel):
     """Elastic beams between generalized hinges (Heng 2017, paper III).
 
-    Option: `hinge_stiffness`, n of the hinges' n 2EA/L and n 6EI/L (100: nearly rigid-plastic).
+    Options: `hinge_stiffness`, n of the hinges' n 2EA/L and n 6EI/L (100: nearly rigid-plastic);
+    the others as of `rigid-superelement`.
     """
 
+    elements: int | None = ELEMENTS()
+    time_step: float | None = TIME_STEP()
+    regularisation: float = REGULARISATION()
+    geometry: str = GEOMETRY()
+    alpha: float | None = EXPONENT()
+    beta: float | None = EXPONENT()
+    shear: str = SHEAR()
+    accuracy: float = SHARE()
+    rate_level: str = RATE_LEVEL()
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)
 
     name: ClassVar[str] = "flexible-superelement"
     version: ClassVar[int] = 19
+    sources: ClassVar[tuple[str, ...]] = ("heng2017",)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic Bernoulli beams without rotary inertia, straight against their chord: one element "
         "per member leaves out P-delta inside the member.",
         *COMMON,
     )
 
+    @property
+    def shear_yields(self) -> bool:
+        """Whether webs slide where they carry less than their mechanism needs."""
+        return self.shear == "panel"
+
+    def check(self) -> None:
+        """Refuse options that viscoplastic bars do not know."""
+        check_bars(self)
+
+    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
+        """Findings of all member models, of shear only where members are rigid in it."""
+        return about_webs(self, scenario, super().domain(scenario))
+
+    def member_surface(self, frame: Frame, member: Member) -> YieldSurface | ShearSurface:
+        """The yield surface of the hinges of a member, joints of its full strength."""
+        return webs_of(self, frame).yielding[member.name] or ellipse(self, frame, member)
+
+    def numbers(self, scenario: Any) -> dict[str, float] | None:
+        """The scalars alone of the response to an impact, see `numbers_of`."""
+        return numbers_of(self, scenario)
+
+    def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
+        return march(self, scenario, structure, clock.timed)
+
+    def group(self, frame: Frame, cut: Cut) -> Superelements:
+        """The superelements."""
+        return superelements(self, frame, cut, self._bar)
+
     def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
         """Run as in `FrameModel`; members left elastic by a pulse gain flexibility of hinges."""
         response, n = super().run(scenario, structure), self.hinge_stiffness
         return softened(response, n) if isinstance(scenario, FramePulse) else response
 
-    def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
+    def _bar(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
         n = self.hinge_stiffness
         axial = n * 2.0 * piece.axial / piece.length
         stiffness = n * 6.0 * piece.bending / piece.length

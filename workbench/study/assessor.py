@@ -9,6 +9,8 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from workbench.base.errors import Collapse, InputError, Mechanism
 from workbench.responses import (
     Finding,

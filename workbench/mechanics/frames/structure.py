@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import pairwise
 from math import ceil, inf
-from typing import Any, Self, TypeVar
+from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 
@@ -438,22 +438,25 @@ def curvature_shares(parts: int) -> Array:
     return shares / parts
 
 
-def cut_members(
-    frame: Frame, parts: Sequence[int]
-) -> tuple[Array, list[tuple[int, int]], list[Piece]]:
-    """Every member of a frame in so many equal `parts`.
+class Cut(NamedTuple):
+    """Members of a frame in equal parts.
 
-    Result: coordinates (nodes, 2) in m, those of the frame's nodes first; of every part, in the
-    order of the members, the numbers of its nodes, and the part.
+    `coordinates` (nodes, 2) in m, those of the frame's nodes first; of every part, in the order of
+    the members, the numbers of its `nodes`, and the `pieces` themselves.
     """
-    points, nodes, pieces = _cut_members(frame.elastic, tuple(parts))
-    return points, list(nodes), list(pieces)
+
+    coordinates: Array
+    nodes: list[tuple[int, int]]
+    pieces: list[Piece]
+
+
+def cut_members(frame: Frame, parts: Sequence[int]) -> Cut:
+    """Every member of a frame in so many equal `parts`."""
+    return _cut_members(frame.elastic, tuple(parts))
 
 
 @lru_cache(maxsize=64)
-def _cut_members(
-    frame: Frame, parts: tuple[int, ...]
-) -> tuple[Array, list[tuple[int, int]], list[Piece]]:
+def _cut_members(frame: Frame, parts: tuple[int, ...]) -> Cut:
     points = frame.points.tolist()
     nodes: list[tuple[int, int]] = []
     pieces: list[Piece] = []
@@ -463,7 +466,7 @@ def _cut_members(
         nodes.extend(pairwise([first, *range(len(points), len(points) + count - 1), last]))
         points.extend((frame.points[first] + chord * k / count).tolist() for k in range(1, count))
         pieces.extend(_piece(frame, member, count, k) for k in range(count))
-    return np.array(points), nodes, pieces
+    return Cut(np.array(points), nodes, pieces)
 
 
 def joint_inertias(nodes: Sequence[tuple[int, int]], pieces: Sequence[Piece]) -> Array:

@@ -186,6 +186,10 @@ class HingedElements(ElementGroup):
         """Whether webs yield in shear (elements,)."""
         return np.zeros(len(self.lengths), dtype=bool)
 
+    def envelope_share(self) -> float:
+        """Largest share of its static strength that an end of bars that flow takes, else 0."""
+        return 0.0
+
     @property
     @abstractmethod
     def plastic(self) -> Array:

@@ -32,6 +32,8 @@ from workbench.models.domain import (
     buckles,
     buckling_findings,
     count_finding,
+    panel_findings,
+    panel_refused,
     shear_findings,
     stub_findings,
 )
@@ -39,7 +41,6 @@ from workbench.models.elastic_springs import Springs, beam_springs, thesis_sprin
 from workbench.models.four_dof import march, statics
 from workbench.models.four_dof.kinematics import U2, V
 from workbench.models.four_dof.march import along_tangent
-from workbench.models.hinge_limits import panel_findings, panel_refused
 from workbench.models.hit_mass import HIT_MASS, THESIS, WAVES, with_hit_mass
 from workbench.models.strain_rate import FACTOR, RATE_LEVELS, check_bars, flows
 from workbench.responses import VARIABLES, Finding, Response, build_response, finding, open_share

@@ -374,6 +374,7 @@ class FiberReference(FrameModel):
     longer: ClassVar[float] = 1.0  # steps, where less is left of the waves
     largest_error: ClassVar[float | None] = None  # refinement measures it
     shear_yields: ClassVar[bool] = False
+    concentrated: ClassVar[bool] = False
 
     def check(self) -> None:
         """Refuse layers and levels that do not fit."""
@@ -390,15 +391,17 @@ class FiberReference(FrameModel):
         """Where an element samples plasticity, from its end next to a hinge and over its length."""
 
     @abstractmethod
-    def elements(self, frame: Frame, mesh: FrameMesh) -> FiberElements:
+    def fibers(self, frame: Frame, mesh: FrameMesh) -> FiberElements:
         """The elements of a mesh."""
 
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
-        """Findings common to all member models, and what fibers or mesh do not follow."""
-        event = as_frame(scenario)
+        """Findings common to all member models that fibers do not follow, then `limits`."""
         followed = ("buckling", "shear") if self.shear_yields else ("buckling",)
+        return [f for f in super().domain(scenario) if f.refusal or f.subject not in followed]
+
+    def limits(self, event: FrameScenario) -> list[Finding]:
+        """Joints, overrides and meshes that fibers do not follow."""
         return [
-            *(f for f in super().domain(scenario) if f.refusal or f.subject not in followed),
             *joint_findings(event.frame),
             *fiber_overrides(event.frame, self.layers),
             *mesh_findings(event, self.lengths(event), self.sampled),
@@ -431,7 +434,7 @@ class FiberReference(FrameModel):
         """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
         frame = as_frame(scenario).frame
         mesh = self.placed(mesh_frame(frame, self.lengths(scenario)))
-        beams = self.elements(frame, mesh)
+        beams = self.fibers(frame, mesh)
         springs = joint_springs(frame, mesh)
         members = FiberMembers(frame, mesh, beams, springs, self.sampled, self.shear_yields)
         groups = [beams] if springs is None else [beams, springs]

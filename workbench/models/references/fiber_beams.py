@@ -42,9 +42,8 @@ from workbench.mechanics.structures.fibers.section import (
     radau_rule,
 )
 from workbench.models.base import respond
-from workbench.models.domain import DIRECT_SHEAR, shear_demand
+from workbench.models.domain import DIRECT_SHEAR, shear_demand, web_findings, web_of
 from workbench.models.frame_model import COLUMNS, as_frame
-from workbench.models.hinge_limits import web_findings, web_of
 from workbench.models.references.fiber import (
     BALANCED_RULE,
     CLASSICAL_RULE,
@@ -157,7 +156,7 @@ class FiberCorotational(FiberReference):
         """Where an element samples plasticity, from its end next to a hinge and over its length."""
         return SAMPLED[self.element]
 
-    def elements(self, frame: Frame, mesh: FrameMesh) -> FiberBeams:
+    def fibers(self, frame: Frame, mesh: FrameMesh) -> FiberBeams:
         """Co-rotational beams, balanced or classical."""
         balanced = self.element == BALANCED
         sections = [self.section(frame, member) for member in frame.members]
@@ -213,7 +212,7 @@ class ExactBeams(FiberReference):
         bow = self.out_of_straightness * length * np.sin(np.pi * heights / length)
         return mesh._replace(coordinates=np.stack([bow, heights], axis=1))
 
-    def elements(self, frame: Frame, mesh: FrameMesh) -> ReissnerBeams:
+    def fibers(self, frame: Frame, mesh: FrameMesh) -> ReissnerBeams:
         """Geometrically exact beams."""
         sections = [self.section(frame, member) for member in frame.members]
         return self.beams(mesh.nodes, mesh.member, sections)

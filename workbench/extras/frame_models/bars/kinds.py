@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.base.arrays import Array, Flags, Indices
-from workbench.mechanics.structures.bars import (
+from workbench.extras.frame_models.bars import (
     beam_kernels,
     fiber_kernels,
     kernels,
     resultant_kernels,
 )
-from workbench.mechanics.structures.bars.group import Bar, BarElements, first_order_stiffness
+from workbench.extras.frame_models.bars.group import Bar, BarElements, first_order_stiffness
 from workbench.mechanics.structures.fibers.section import (
     BeamSection,
     SectionTables,

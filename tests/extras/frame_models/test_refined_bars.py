@@ -10,8 +10,8 @@ from assembly_cases import alone
 from scipy.optimize import brentq
 from superelement_cases import EA, EI, MP, NP
 
-from workbench.mechanics.structures.bars import Bar, PlasticEnd, beam_kernels, refined_bars
-from workbench.mechanics.structures.bars.kinds import RefinedState, RefinedTables
+from workbench.extras.frame_models.bars import Bar, PlasticEnd, beam_kernels, refined_bars
+from workbench.extras.frame_models.bars.kinds import RefinedState, RefinedTables
 from workbench.steel.hinges.interaction import polyline
 from workbench.steel.sections import find
 

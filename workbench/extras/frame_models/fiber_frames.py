@@ -9,12 +9,22 @@ docs/theory/frame-models.md.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from math import sqrt
 from typing import ClassVar
 
 import numpy as np
 
 from workbench.base.fields import Choice, Number, checked
+from workbench.extras.frame_models import hinge_limits
+from workbench.extras.frame_models.bars import (
+    BarElements,
+    Quadrature,
+    fiber_bars,
+    hinge_rule,
+    lobatto_rule,
+)
+from workbench.extras.frame_models.hinged_frames import SHEAR_FLEXIBLE, plastic_bars, plastic_end
 from workbench.mechanics.frames.members import (
     CALIBRATED,
     LAYERS,
@@ -23,29 +33,26 @@ from workbench.mechanics.frames.members import (
     fiber_section,
     residual_findings,
 )
-from workbench.mechanics.structures.bars import (
-    Bar,
-    BarElements,
-    Quadrature,
-    fiber_bars,
-    hinge_rule,
-    lobatto_rule,
-)
+from workbench.mechanics.frames.structure import Cut
 from workbench.mechanics.structures.fibers import PATTERNS, BeamSection, section_fibers
 from workbench.mechanics.structures.fibers.section import LinearHardening, yielding_in_bending
-from workbench.models.bar_frames import Cut
-from workbench.models.frame_model import as_frame
-from workbench.models.hinged_frames import BarHinges, Traits
+from workbench.models.frame_model import ELEMENTS, GEOMETRY, REGULARISATION, TIME_STEP, FrameModel
 from workbench.responses import Finding
-from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
+from workbench.scenarios import Frame, FrameScenario, Member
 
-POINTS_HELP = "Gauss-Lobatto points along an element, ends included"
-OF_RESULTANTS = Traits(
-    "super-ellipse",
-    second_order=False,
-    euler_share=1.0 / 16.0,
-    loses_moment="the super-ellipse is some percent off the section there, on laden members up to "
-    "a quarter of the peak",
+POINTS = partial(
+    checked,
+    Number(3, 20, integer=True),
+    5,
+    help="Gauss-Lobatto points along an element, ends included",
+)
+LOSES = (
+    "the super-ellipse is some percent off the section there, on laden members up to a quarter of "
+    "the peak"
+)
+LAYER_COUNT = partial(checked, LAYERS, 20, help="over the depth, an even number")
+HARDENING_RATIO = partial(
+    checked, Number(1e-9, 0.1), 1e-6, help="kinematic hardening over the elastic modulus"
 )
 LIMITS = "No shear yielding, no local buckling; strain rate by one factor."
 FIBERS = (
@@ -64,43 +71,31 @@ RESULTANTS = (
 
 
 def fiber_group(
-    model: "FiberBars", frame: Frame, cut: Cut, bars: list[Bar], rules: list[Quadrature]
+    model: "ForceBasedBeam | FiberHinge", frame: Frame, cut: Cut, rules: list[Quadrature]
 ) -> BarElements:
     """Elements with fibers at the points of their rules, which give the elastic stiffness too."""
+    bars = plastic_bars(model, frame, cut)
     sections, elastic = [], []
-    for piece, bar in zip(cut[2], bars, strict=True):
+    for piece, bar in zip(cut.pieces, bars, strict=True):
         section = fiber_section(frame, piece.member, model.layers, model.hardening_ratio)
         axial = float(section.law.elastic_modulus * section.area.sum())
         bending = axial * section.radius_squared
         sections.append(section)
         elastic.append(replace(bar, axial_stiffness=axial, bending_stiffness=bending))
-    return fiber_bars(cut[1], elastic, rules, sections, model.first_order)
+    return fiber_bars(cut.nodes, elastic, rules, sections, model.first_order)
 
 
 @dataclass(frozen=True)
-class FiberBars(BarHinges):
-    """Force-based elements whose sections are fibers."""
-
-    layers: int = checked(LAYERS, 20, help="over the depth, an even number")
-    hardening_ratio: float = checked(
-        Number(1e-9, 0.1), 1e-6, help="kinematic hardening over the elastic modulus"
-    )
-
-    traits: ClassVar[Traits] = Traits(second_order=False, euler_share=0.0)
-
-    def check(self) -> None:
-        """Refuse an odd number of layers."""
-        check_layers(self)
-
-    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
-        """Findings of hinges, and overrides that fibers leave out."""
-        return super().domain(scenario) + fiber_overrides(as_frame(scenario).frame, self.layers)
-
-
-@dataclass(frozen=True)
-class ForceBasedBeam(FiberBars):
+class ForceBasedBeam(FrameModel):
     """Force-based fiber element with Gauss-Lobatto points; `regularisation` is not used."""
 
+    elements: int | None = ELEMENTS()
+    time_step: float | None = TIME_STEP()
+    regularisation: float = REGULARISATION()
+    geometry: str = GEOMETRY()
+    shear_flexible: bool = SHEAR_FLEXIBLE()
+    layers: int = LAYER_COUNT()
+    hardening_ratio: float = HARDENING_RATIO()
     points: int = checked(Number(3, 20, integer=True), 5, help="along an element")
 
     concentrated: ClassVar[bool] = False
@@ -113,15 +108,30 @@ class ForceBasedBeam(FiberBars):
         *FIBERS,
     )
 
-    def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
+    def check(self) -> None:
+        """Refuse an odd number of layers."""
+        check_layers(self)
+
+    def limits(self, event: FrameScenario) -> list[Finding]:
+        """Also of overrides that fibers leave out."""
+        return super().limits(event) + fiber_overrides(event.frame, self.layers)
+
+    def group(self, frame: Frame, cut: Cut) -> BarElements:
         """Elements with fibers at Gauss-Lobatto points."""
-        return fiber_group(self, frame, cut, bars, [lobatto_rule(self.points)] * len(bars))
+        return fiber_group(self, frame, cut, [lobatto_rule(self.points)] * len(cut.pieces))
 
 
 @dataclass(frozen=True)
-class FiberHinge(FiberBars):
+class FiberHinge(FrameModel):
     """Fibers at both ends of an element that is elastic between; `regularisation` is not used."""
 
+    elements: int | None = ELEMENTS()
+    time_step: float | None = TIME_STEP()
+    regularisation: float = REGULARISATION()
+    geometry: str = GEOMETRY()
+    shear_flexible: bool = SHEAR_FLEXIBLE()
+    layers: int = LAYER_COUNT()
+    hardening_ratio: float = HARDENING_RATIO()
     hinge_length: float = checked(Number(0.01, 10.0), 1.0, help="over the depth of the section")
 
     name: ClassVar[str] = "fiber-hinge"
@@ -133,17 +143,24 @@ class FiberHinge(FiberBars):
         *FIBERS,
     )
 
-    def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
+    def check(self) -> None:
+        """Refuse an odd number of layers."""
+        check_layers(self)
+
+    def limits(self, event: FrameScenario) -> list[Finding]:
+        """Also of overrides that fibers leave out."""
+        return super().limits(event) + fiber_overrides(event.frame, self.layers)
+
+    def group(self, frame: Frame, cut: Cut) -> BarElements:
         """Elements with fibers at both ends, at most an eighth of the length each."""
-        depths = [self.hinge_length * p.member.section.height / p.length for p in cut[2]]
-        return fiber_group(self, frame, cut, bars, [hinge_rule(depth) for depth in depths])
+        depths = [self.hinge_length * p.member.section.height / p.length for p in cut.pieces]
+        return fiber_group(self, frame, cut, [hinge_rule(depth) for depth in depths])
 
 
 def resultant_group(
     model: "BoundingSurface | ModifiedTangentModulus",
     frame: Frame,
     cut: Cut,
-    bars: list[Bar],
     law: Callable[[Frame, Member], tuple[float, float, float, bool]],
 ) -> BarElements:
     """Elements whose sections are a law of N and M; two fibers each stand for their EA and EI.
@@ -151,9 +168,10 @@ def resultant_group(
     Argument: `law` of a member, entries `inner`, `lag`, `minor` and `softens` of RESULTANT.
     """
     steel, sections, rows = frame.steel, [], []
+    bars = plastic_bars(model, frame, cut, partial(plastic_end, rule="super-ellipse"))
     laws = {member.name: law(frame, member) for member in frame.members}
     elastic = LinearHardening(steel.elastic_modulus, steel.yield_stress)
-    for piece, bar in zip(cut[2], bars, strict=True):
+    for piece, bar in zip(cut.pieces, bars, strict=True):
         p = frame.properties(piece.member)
         radius = sqrt(p.second_moment / p.area)
         pair = np.array([-radius, radius]), np.full(2, 0.5 * p.area)
@@ -163,14 +181,19 @@ def resultant_group(
         surface = p.squash_load, p.plastic_moment, *exponents
         rows.append((*stiffness, *surface, model.regularisation, *laws[piece.member.name]))
     rules = [lobatto_rule(model.points)] * len(bars)
-    return fiber_bars(cut[1], bars, rules, sections, model.first_order, rows)
+    return fiber_bars(cut.nodes, bars, rules, sections, model.first_order, rows)
 
 
 @dataclass(frozen=True)
-class BoundingSurface(BarHinges):
+class BoundingSurface(FrameModel):
     """Yield surface within a bounding surface, both super-elliptic, smooth between them."""
 
-    points: int = checked(Number(3, 20, integer=True), 5, help=POINTS_HELP)
+    elements: int | None = ELEMENTS()
+    time_step: float | None = TIME_STEP()
+    regularisation: float = REGULARISATION()
+    geometry: str = GEOMETRY()
+    shear_flexible: bool = SHEAR_FLEXIBLE()
+    points: int = POINTS()
     inner: float | None = checked(
         Number(0.5, 1.0),
         optional=True,
@@ -182,7 +205,7 @@ class BoundingSurface(BarHinges):
     concentrated: ClassVar[bool] = False
     name: ClassVar[str] = "bounding-surface"
     version: ClassVar[int] = 2
-    traits: ClassVar[Traits] = OF_RESULTANTS
+    euler_share: ClassVar[float] = 1.0 / 16.0
     sources: ClassVar[tuple[str, ...]] = ("eltawil1998", "eltawil2001", "mroz1967", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Sections flow normal to a yield surface that moves within the bounding surface of the "
@@ -191,14 +214,15 @@ class BoundingSurface(BarHinges):
         *RESULTANTS,
     )
 
-    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
-        """Findings of hinges, and residual stresses of sections that they are not known of."""
-        frame = as_frame(scenario).frame
-        return super().domain(scenario) + residual_findings(frame, self.residual_stress)
+    def limits(self, event: FrameScenario) -> list[Finding]:
+        """Also of axial forces, and residual stresses of sections that they are not known of."""
+        axial = hinge_limits.axial_findings(event.frame, LOSES)
+        residual = residual_findings(event.frame, self.residual_stress)
+        return super().limits(event) + axial + residual
 
-    def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
+    def group(self, frame: Frame, cut: Cut) -> BarElements:
         """Elements with laws of N and M at Gauss-Lobatto points."""
-        return resultant_group(self, frame, cut, bars, self.law)
+        return resultant_group(self, frame, cut, self.law)
 
     def law(self, frame: Frame, member: Member) -> tuple[float, float, float, bool]:
         """Surfaces of fibers in bending."""
@@ -211,10 +235,15 @@ class BoundingSurface(BarHinges):
 
 
 @dataclass(frozen=True)
-class ModifiedTangentModulus(BarHinges):
+class ModifiedTangentModulus(FrameModel):
     """Plastic hinges on members whose modulus falls with the axial force."""
 
-    points: int = checked(Number(3, 20, integer=True), 5, help=POINTS_HELP)
+    elements: int | None = ELEMENTS()
+    time_step: float | None = TIME_STEP()
+    regularisation: float = REGULARISATION()
+    geometry: str = GEOMETRY()
+    shear_flexible: bool = SHEAR_FLEXIBLE()
+    points: int = POINTS()
     minor_weight: float = checked(
         Number(0.0, 1.0),
         0.0,
@@ -225,7 +254,7 @@ class ModifiedTangentModulus(BarHinges):
     concentrated: ClassVar[bool] = False
     name: ClassVar[str] = "modified-tangent-modulus"
     version: ClassVar[int] = 2
-    traits: ClassVar[Traits] = OF_RESULTANTS
+    euler_share: ClassVar[float] = 1.0 / 16.0
     sources: ClassVar[tuple[str, ...]] = ("ziemian2002", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Modulus E min(1, (1 + 2p)(1 - p - w m)), p = N/Np, m = M/Mp, for what forces grow by "
@@ -234,9 +263,13 @@ class ModifiedTangentModulus(BarHinges):
         *RESULTANTS,
     )
 
-    def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
+    def limits(self, event: FrameScenario) -> list[Finding]:
+        """Also of axial forces, at which the super-ellipse is off the section."""
+        return super().limits(event) + hinge_limits.axial_findings(event.frame, LOSES)
+
+    def group(self, frame: Frame, cut: Cut) -> BarElements:
         """Elements with laws of N and M at Gauss-Lobatto points."""
-        return resultant_group(self, frame, cut, bars, self.law)
+        return resultant_group(self, frame, cut, self.law)
 
     def law(self, frame: Frame, member: Member) -> tuple[float, float, float, bool]:
         """One surface, and a modulus that falls."""

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from superelement_cases import EA, EI, NP
 from test_refined_bars import law, refined
 
-from workbench.mechanics.structures.bars import beam_kernels
+from workbench.extras.frame_models.bars import beam_kernels
 
 RADIUS = sqrt(EI / EA)
 

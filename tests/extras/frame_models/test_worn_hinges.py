@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from superelement_cases import EA, EI, MP, NP, PLATES
 
-from workbench.mechanics.structures.bars import Bar, BarElements, PlasticEnd, hinged_bars
+from workbench.extras.frame_models.bars import Bar, BarElements, PlasticEnd, hinged_bars
 from workbench.mechanics.structures.elements import Bars, StepRequest
 from workbench.steel.hinges.interaction import polyline
 

@@ -10,7 +10,7 @@ Sources: Spacone, Filippou and Taucer 1996; the line search is ours.
 import numpy as np
 
 from workbench.base.compiled import njit
-from workbench.mechanics.structures.bars.resultant_kernels import (
+from workbench.extras.frame_models.bars.resultant_kernels import (
     resultant_energies,
     resultant_response,
 )

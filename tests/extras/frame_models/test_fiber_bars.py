@@ -7,17 +7,17 @@ import pytest
 from assembly_cases import alone
 from superelement_cases import NP
 
-from workbench.mechanics.structures.bars import (
+from workbench.extras.frame_models.bars import (
     Bar,
     BarElements,
     PlasticEnd,
-    Rule,
+    Quadrature,
     fiber_bars,
     hinge_rule,
     lobatto_rule,
 )
-from workbench.mechanics.structures.bars import fiber_kernels as kernels
-from workbench.mechanics.structures.bars.kinds import FiberBarState
+from workbench.extras.frame_models.bars import fiber_kernels as kernels
+from workbench.extras.frame_models.bars.kinds import FiberBarState
 from workbench.mechanics.structures.fibers import BeamSection
 from workbench.mechanics.structures.fibers.section import LinearHardening
 from workbench.steel.hinges.interaction import polyline
@@ -33,7 +33,7 @@ def section(hardening: float = 1e-5) -> BeamSection:
     return BeamSection(y, area, LinearHardening(E, FY, hardening * E), 314.0)
 
 
-def group(rule: Rule, fibers: BeamSection, joint: float = np.inf) -> BarElements:
+def group(rule: Quadrature, fibers: BeamSection, joint: float = np.inf) -> BarElements:
     """One element along x, its start with a joint."""
     curve = polyline("exact", square(0.2))
     axial = E * fibers.area.sum()
@@ -70,7 +70,7 @@ def test_hinge_rule_is_exact_for_elastic_flexibility(share: float) -> None:
 
 
 @pytest.mark.parametrize("rule", [lobatto_rule(5), hinge_rule(0.07)])
-def test_elastic_stiffness_with_shear_and_joint(rule: Rule) -> None:
+def test_elastic_stiffness_with_shear_and_joint(rule: Quadrature) -> None:
     fibers = section()
     bending = E * fibers.area.sum() * fibers.radius_squared
     f = np.array([[2.0, -1.0], [-1.0, 2.0]]) * LENGTH / (6.0 * bending) + 1.0 / (LENGTH * SHEAR)
@@ -84,7 +84,7 @@ def test_elastic_stiffness_with_shear_and_joint(rule: Rule) -> None:
 
 
 @pytest.mark.parametrize("rule", [lobatto_rule(5), hinge_rule(0.07)])
-def test_equilibrium_compatibility_and_tangent_far_in_the_plastic_range(rule: Rule) -> None:
+def test_equilibrium_compatibility_and_tangent_far_in_the_plastic_range(rule: Quadrature) -> None:
     bars, rng = group(rule, section()), np.random.default_rng(4)
     (record,) = bars.tables
     size = np.sqrt([2.8e9, 3.7e7, 3.7e7])

@@ -9,16 +9,15 @@ import numpy as np
 import pytest
 from builders import thesis_frame
 
-from workbench.mechanics.frames.members import fiber_section
-from workbench.mechanics.structures.fibers.section import spread_of_yield
-from workbench.models.frame_model import FrameModel
-from workbench.models.hinged_frames import (
-    BarHinges,
+from workbench.extras.frame_models.hinged_frames import (
     Giberson,
     PlasticHinge,
     QuasiPlasticHinge,
     RefinedPlasticHinge,
 )
+from workbench.mechanics.frames.members import fiber_section
+from workbench.mechanics.structures.fibers.section import spread_of_yield
+from workbench.models.frame_model import FrameModel
 from workbench.models.references.fiber_beams import FiberCorotational, FiberReissner
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.responses import warnings_of
@@ -52,7 +51,7 @@ def cantilever(height: float, axial: float, push: float) -> FrameStatic:
 
 @pytest.mark.parametrize("share", [0.3, 0.9])
 @pytest.mark.parametrize("kind", [PlasticHinge, RefinedPlasticHinge])
-def test_stiffness_vanishes_towards_the_euler_load(kind: type[BarHinges], share: float) -> None:
+def test_stiffness_vanishes_towards_the_euler_load(kind: type[FrameModel], share: float) -> None:
     height = 12.0
     axial = share * pi**2 * EI / (2.0 * height) ** 2
     u = height * sqrt(axial / EI)

@@ -1,22 +1,24 @@
-"""Limits of hinges: catenary action, wear, plates that buckle, panels."""
+"""Limits of hinges: catenary action, axial forces, cycles, wear, plates that buckle."""
 
-from collections.abc import Mapping
 from dataclasses import replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from workbench.base.arrays import Array
+from workbench.extras.frame_models.bars import PlasticEnd
 from workbench.mechanics.frames.elastic import dead_load_state
 from workbench.mechanics.frames.members import named, shear_demand
-from workbench.mechanics.structures.bars import PlasticEnd
 from workbench.responses import Finding, finding
-from workbench.scenarios import Frame, FrameImpact, FrameScenario, Member
-from workbench.scenarios.parts import MemberProperties
-from workbench.steel.hinges import ShearSurface, has_webs
-from workbench.steel.materials import Steel
-from workbench.steel.sections import CircularTube, ISection, Section
+from workbench.scenarios import (
+    Frame,
+    FrameGroundMotion,
+    FrameImpact,
+    FrameScenario,
+    FrameStatic,
+    Member,
+)
+from workbench.steel.sections import CircularTube, ISection
 from workbench.steel.sections.slenderness import (
     TESTED,
     lateral_torsional,
@@ -26,9 +28,6 @@ from workbench.steel.sections.slenderness import (
 )
 
 CATENARY = 0.5  # Mp / Npl, from where hinges are drawn out
-STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
-SLENDER = 0.83 * 86.4 / STOCKY  # of that: chi_w = 0.83 / lambda_w is 1, EN 1993-1-5, table 5.1
-FEW_PERCENT, MUCH = 0.01, 0.1  # between the strength of a section and that of a member
 AXIAL_SHARE = 0.15  # of the squash load; EN 1993-1-1, 6.2.9.1: an I section then loses some moment
 
 
@@ -45,6 +44,20 @@ def catenary_reach(scenario: FrameImpact) -> float:
     return scenario.input_energy * whole.squash_load / max(force * whole.plastic_moment, 1e-300)
 
 
+def catenary_findings(event: FrameScenario) -> list[Finding]:
+    """Warning of hits into catenary action, for hinges that do not stretch as they flow."""
+    if not isinstance(event, FrameImpact) or (reach := catenary_reach(event)) <= CATENARY:
+        return []
+    return [finding("catenary", reach, reach=reach)]
+
+
+def cycle_findings(event: FrameScenario, effect: str) -> list[Finding]:
+    """Warning of repeated loading, which has an `effect` on hinges."""
+    cyclic = isinstance(event, FrameStatic) and len(event.path) > 1
+    shaken = isinstance(event, FrameGroundMotion)
+    return [finding("cycles", effect=effect)] if cyclic or shaken else []
+
+
 def axial_findings(frame: Frame, effect: str) -> list[Finding]:
     """Warning of dead loads that are a share of a squash load that has an `effect` on hinges."""
     shares = np.abs(dead_load_state(frame).axial) / frame.each("squash_load")
@@ -53,72 +66,6 @@ def axial_findings(frame: Frame, effect: str) -> list[Finding]:
         return []
     share, member = float(shares[worst]), frame.members[worst].name
     return [finding("interaction", share, effect=effect, share=share, member=member)]
-
-
-@lru_cache(maxsize=64)
-def web_of(section: Section, steel: Steel) -> ShearSurface | None:
-    """The web of a section that yields in shear, if it has one."""
-    return ShearSurface(section, steel) if has_webs(section) else None
-
-
-def web_findings(webs: Mapping[str, ShearSurface | None]) -> list[Finding]:
-    """Of webs that yield in shear, by names of their members: whether they buckle before.
-
-    EN 1993-1-5, 5.1: from a clear height over thickness of 72 epsilon / eta on, eta 1.2, buckling
-    takes of the strength, first what hardening adds to f_y / sqrt 3: a warning. From chi_w = 1 on
-    (table 5.1) it takes of that, which is all that models have: a refusal.
-    """
-    alike: dict[ShearSurface, list[str]] = {}
-    for name, web in webs.items():
-        if web is not None and web_slenderness(web) > 1.0:
-            alike.setdefault(web, []).append(name)
-    findings = []
-    for web, names in alike.items():
-        more = f" (and {len(names) - 1} alike)" if len(names) > 1 else ""
-        slenderness, member = web_slenderness(web), f"member {names[0]}{more}"
-        key = "shear-buckling" if slenderness > SLENDER else "slender-web"
-        findings.append(finding(key, slenderness, member=member, limit=SLENDER))
-    return findings
-
-
-def panel_findings(surface: ShearSurface, properties: MemberProperties) -> list[Finding]:
-    """Where panels stop applying to a column: web buckling, strength that is not the section's.
-
-    A plastic moment or squash load more than 10 % off the section's is a refusal, above 1 % off a
-    warning. For the webs see `web_findings`.
-    """
-    findings, ratio = web_findings({"column": surface}), strength_ratio(surface, properties)
-    if given_strength(surface, properties):
-        far = abs(ratio - 1.0) > MUCH
-        findings.append(finding("plates", ratio, refusal=far, member="the column"))
-    return findings
-
-
-def panel_refused(surface: ShearSurface, properties: MemberProperties) -> Any:
-    """Whether there is a refusal among `panel_findings`; flags of a stack."""
-    far = abs(strength_ratio(surface, properties) - 1.0) > MUCH
-    return (web_slenderness(surface) > SLENDER) | far
-
-
-def web_slenderness(surface: ShearSurface) -> Any:
-    """Slenderness of the webs over the bound 72 epsilon / eta."""
-    return surface.web_slenderness / (STOCKY * np.sqrt(235e6 / surface.steel.yield_stress))
-
-
-def given_strength(surface: ShearSurface, properties: MemberProperties) -> bool:
-    """Whether a member is given another strength than its plates have."""
-    return bool(abs(strength_ratio(surface, properties) - 1.0) > FEW_PERCENT)
-
-
-def strength_ratio(surface: ShearSurface, properties: MemberProperties) -> Any:
-    """Strength of the plates over that of the member.
-
-    Moment or axial force, whichever is farther from 1.
-    """
-    moment = surface.plastic_moment / properties.plastic_moment
-    axial = surface.squash_load / properties.squash_load
-    ratio: Any = np.where(abs(axial - 1.0) > abs(moment - 1.0), axial, moment)[()]
-    return ratio
 
 
 def wear_findings(event: FrameScenario, known: bool) -> list[Finding]:

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from test_hinged_frames import HEB, cantilever
 
 from workbench.base.errors import InputError
-from workbench.models.hinged_frames import PlasticHinge, QuasiPlasticHinge
+from workbench.extras.frame_models.hinged_frames import PlasticHinge, QuasiPlasticHinge
 from workbench.responses import findings_of
 from workbench.scenarios import FrameImpact, FrameStatic, FrameStriker, Load, regular_frame
 from workbench.steel.sections import find, square

@@ -11,8 +11,8 @@ from math import sqrt
 import numpy as np
 import pytest
 
+from workbench.extras.frame_models.hinged_frames import Giberson, PlasticHinge
 from workbench.models.frame_model import FrameModel
-from workbench.models.hinged_frames import Giberson, PlasticHinge
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.scenarios import Frame, FrameStatic, Load, Member, Node
 from workbench.steel.materials import Steel

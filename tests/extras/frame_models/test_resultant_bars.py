@@ -13,15 +13,15 @@ from hypothesis import strategies as st
 from superelement_cases import EA, EI, MP, NP
 from test_fiber_bars import law
 
-from workbench.mechanics.structures.bars import (
+from workbench.extras.frame_models.bars import (
     Bar,
     BarElements,
     PlasticEnd,
     fiber_bars,
     lobatto_rule,
 )
-from workbench.mechanics.structures.bars import fiber_kernels as kernels
-from workbench.mechanics.structures.bars.resultant_kernels import STATES, modulus
+from workbench.extras.frame_models.bars import fiber_kernels as kernels
+from workbench.extras.frame_models.bars.resultant_kernels import STATES, modulus
 from workbench.mechanics.structures.fibers import BeamSection, section_fibers
 from workbench.mechanics.structures.fibers.section import LinearHardening, yielding_in_bending
 from workbench.steel.hinges.interaction import polyline

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from test_hinged_frames import MP, cantilever
 
-from workbench.models.fiber_frames import FiberHinge, ForceBasedBeam
-from workbench.models.hinged_frames import PlasticHinge
+from workbench.extras.frame_models.fiber_frames import FiberHinge, ForceBasedBeam
+from workbench.extras.frame_models.hinged_frames import PlasticHinge
 from workbench.models.references.fiber_beams import FiberCorotational
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import FrameImpact, FrameStriker, Load, regular_frame

@@ -11,10 +11,10 @@ from math import hypot
 
 import pytest
 
+from workbench.extras.frame_models.fiber_frames import BoundingSurface, ModifiedTangentModulus
+from workbench.extras.frame_models.hinged_frames import PlasticHinge, RefinedPlasticHinge
 from workbench.models import frame_model
-from workbench.models.fiber_frames import BoundingSurface, ModifiedTangentModulus
 from workbench.models.frame_model import FrameModel
-from workbench.models.hinged_frames import PlasticHinge, RefinedPlasticHinge
 from workbench.models.references.fiber_beams import FiberReissner
 from workbench.study import load_study
 

@@ -10,8 +10,8 @@ import pytest
 from test_hinged_frames import EI, MP, NP, cantilever, guided
 
 from workbench.base.errors import InputError
-from workbench.models.fiber_frames import BoundingSurface, ModifiedTangentModulus
-from workbench.models.hinged_frames import PlasticHinge
+from workbench.extras.frame_models.fiber_frames import BoundingSurface, ModifiedTangentModulus
+from workbench.extras.frame_models.hinged_frames import PlasticHinge
 from workbench.models.references.fiber_beams import FiberCorotational
 from workbench.responses import findings_of
 from workbench.scenarios import FrameImpact, FrameStriker, Load, regular_frame

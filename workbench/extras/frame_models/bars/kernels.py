@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from workbench.base.compiled import njit
-from workbench.mechanics.structures.bars.beam_kernels import modes
+from workbench.extras.frame_models.bars.beam_kernels import modes
 from workbench.mechanics.structures.kernels import add_element, deform
 from workbench.steel.hinges.kernels import newton_in_bracket
 from workbench.steel.hinges.panel_kernels import End, moments_in_box

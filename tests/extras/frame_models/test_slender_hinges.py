@@ -9,7 +9,7 @@ import pytest
 from test_hinged_frames import HEB, NP, cantilever
 
 from workbench.base.errors import InputError
-from workbench.models.hinged_frames import PlasticHinge, RefinedPlasticHinge
+from workbench.extras.frame_models.hinged_frames import PlasticHinge, RefinedPlasticHinge
 from workbench.responses import findings_of
 from workbench.scenarios import FrameStatic, regular_frame
 from workbench.scenarios.parts import Joint

@@ -12,7 +12,7 @@ from assembly_cases import alone
 from superelement_cases import EA, EI, MP, NP, PLATES
 
 from workbench.base.arrays import Array
-from workbench.mechanics.structures.bars import (
+from workbench.extras.frame_models.bars import (
     NO_INTERACTION,
     Bar,
     BarElements,

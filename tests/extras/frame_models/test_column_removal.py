@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from workbench.models.hinged_frames import PlasticHinge
+from workbench.extras.frame_models.hinged_frames import PlasticHinge
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 
-STUDY = runpy.run_path(str(Path(__file__).parents[2] / "studies" / "column_removal.py"))
+STUDY = runpy.run_path(str(Path(__file__).parents[3] / "studies" / "column_removal.py"))
 removal, pseudo_static = STUDY["removal"], STUDY["pseudo_static"]
 
 
