@@ -69,7 +69,7 @@ def peak_of(hit: int, duration: float, steps: float, tolerance: float = 1e-7) ->
 def column(
     scenario: ColumnImpact, kind: str, steps: float, layers: int = 16
 ) -> tuple[float, float]:
-    """Peak displacement (m) of the hit point, and the seconds that its steps took.
+    """Peak displacement (m) of the impact point, and the seconds that its steps took.
 
     `kind` is "hinges" or "fibers". The model is built and loaded before the clock starts.
     """

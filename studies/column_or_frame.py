@@ -225,7 +225,7 @@ figures = (
     Figure(
         "histories",
         "history",
-        "Displacement of the hit point",
+        "Displacement of the impact point",
         "From the column's home ground to where it fails: its own mechanism; the storey sways; "
         "the joints give way; catenary action on a spring that should have yielded.",
         (REFERENCE, COLUMN, YIELDING, RIGID),

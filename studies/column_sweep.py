@@ -21,7 +21,7 @@ from workbench.study.assessment import Gate
 
 LENGTH = 4.0  # m
 SECTIONS = {"IPE 300": find("IPE 300"), "HEB 220": find("HEB 220"), "square 150": square(0.15)}
-POSITIONS = (0.15, 0.3, 0.5)  # hit point over length
+POSITIONS = (0.15, 0.3, 0.5)  # impact point over length
 LOADS = (0.0, 0.15, 0.3)  # axial load over squash load
 VELOCITIES = (5.0, 10.0, 20.0)  # m/s
 REFERENCE, WEB, PANELS = "fiber beam", "web-yielding beam", "4-DOF with panels"
@@ -66,7 +66,7 @@ cases = tuple(
         models=tuple(models) if demand(scenario) >= YIELDS else (REFERENCE, *REDUCED),
         parameters={
             "section": section,
-            "hit point over length": position,
+            "impact point over length": position,
             "axial load over squash load": load,
             "velocity in m/s": velocity,
         },
@@ -110,7 +110,7 @@ figures = (
             "asked, else the fiber beam. Percentages are those of the worst case of a field.",
             (model,),
             {
-                "x": "hit point over length",
+                "x": "impact point over length",
                 "y": "axial load over squash load",
                 "facet": "velocity in m/s",
             },

@@ -149,7 +149,7 @@ figures = (
         "hit",
         "history",
         "Hit",
-        "Displacement of the hit point.",
+        "Displacement of the impact point.",
         (REFERENCE, *FAMILIES),
         {"cases": (HIT,)},
     ),

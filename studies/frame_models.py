@@ -182,8 +182,8 @@ figures = (
         "hit",
         "history",
         "Hit",
-        "Displacement of the hit point. Models whose axial force never yields, or yields without "
-        "elongation, part from the others in catenary action.",
+        "Displacement of the impact point. Models whose axial force never yields, or yields "
+        "without elongation, part from the others in catenary action.",
         ALL,
         {"cases": of(HIT)},
     ),

@@ -101,7 +101,7 @@ class ByRule(Answering):
 class ClosedHinge(Answering):
     """Two elastic bars without mass between clamped ends, their hinges in closed form.
 
-    The hit point moves at the velocity of the striker, which must be heavy.
+    The impact point moves at the velocity of the striker, which must be heavy.
     """
 
     name: ClassVar[str] = "closed-form-hinge"

@@ -115,7 +115,7 @@ figures = (
         "force-displacement",
         "Where the web yields in shear",
         "The bending mechanism needs 1.8 times the plastic shear resistance of the segment below "
-        "the hit point: beam and solid with shear yielding stop at 0.5 MN.",
+        "the impact point: beam and solid with shear yielding stop at 0.5 MN.",
         (REFERENCE, SHEAR, SOLID),
         {"cases": (SHORT_PUSH,)},
     ),

@@ -3,13 +3,13 @@
 I sections and hollow sections, hit low or in the middle, slowly or fast, by heavy or light
 strikers: every column model against the beam whose webs yield, a subset against the struck solid.
 The axes of its maps are the shear force that a plastic mechanism needs over the plastic shear
-resistance, V/Vpl, and the largest displacement over the length of the segment below the hit point,
-v/La.
+resistance, V/Vpl, and the largest displacement over the length of the segment below the impact
+point, v/La.
 
 The columns are drawn by a Latin hypercube. They were drawn after the first part of the rule "waves"
-for the mass at the hit point (webs that slide), and before its second part (supports that feel the
-hit late), which was then tried on others: see docs/theory/hit-mass.md. Every fourth column that is
-hit hard is hit once more in steel that feels its strain rate.
+for the mass at the impact point (webs that slide), and before its second part (supports that feel
+the hit late), which was then tried on others: see docs/theory/hit-mass.md. Every fourth column that
+is hit hard is hit once more in steel that feels its strain rate.
 """
 
 import sys
@@ -65,7 +65,7 @@ PLATES = 3  # every so many columns are without root fillets, as those of the th
 SHORTEST = 1.8  # segment over height of the section; what is shorter is no bar
 MASSIVE, SLOW, SOLIDS = 104, 16, 26  # columns hit hard, hit elastically; of the hard hits as solids
 RATES = 4  # every so many hard hits are answered in steel that feels its strain rate too
-DEMAND, LENGTH = "V/Vpl of the mechanism", "length below the hit point in m"
+DEMAND, LENGTH = "V/Vpl of the mechanism", "length below the impact point in m"
 RATIO, HIT = "striker over lumped mass", "hit"
 
 
@@ -215,7 +215,7 @@ figures = (
     Figure(
         "mass",
         "domain-map",
-        "What the mass at the hit point does",
+        "What the mass at the impact point does",
         "Errors over the mass of the striker by the lumped one of the thesis; light strikers left.",
         (PANELS, THESIS_MASS),
         {"cases": DRAWN, "against": WEB, "x": RATIO, "over": LENGTH, "y": "v/La"},

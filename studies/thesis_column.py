@@ -142,9 +142,9 @@ def against_shear(
         against,
         *metric,
         bound,
-        "What the real column would do: its web yields in shear below the hit point. A solid knows "
-        "itself within 4 %; a beam whose web yields is inside its domain up to a mean shear of "
-        "0.15, 0.12 m here.",
+        "What the real column would do: its web yields in shear below the impact point. A solid "
+        "knows itself within 4 %; a beam whose web yields is inside its domain up to a mean shear "
+        "of 0.15, 0.12 m here.",
         OWN_BOUND,
         cases,
     )
@@ -192,7 +192,7 @@ figures = (
         "shear",
         "force-displacement",
         "What the column does: its web yields in shear",
-        "Force against displacement of the hit point. The web below it slides at about half of "
+        "Force against displacement of the impact point. The web below it slides at about half of "
         "the force that models without shear predict; flanges that stretch bring it back up, "
         "which panels and a solid see and beams do not.",
         (SOLID, BARS, PANELS, WEB, "4-DOF", REFERENCE),
@@ -216,16 +216,16 @@ figures = (
         "rate",
         "history",
         "What the strain rate of the steel does",
-        "Displacement of the hit point at 15 m/s: with the static yield stress of the thesis, and "
-        "with the rate law of S355, point by point in solid and beam, by one factor on the yield "
-        "stress in the 4-DOF column.",
+        "Displacement of the impact point at 15 m/s: with the static yield stress of the thesis, "
+        "and with the rate law of S355, point by point in solid and beam, by one factor on the "
+        "yield stress in the 4-DOF column.",
         (SOLID, PANELS, WEB),
         {"cases": (IMPACTS[1], STRUCK_RATED)},
     ),
     Figure(
         "figure-5-9a",
         "history",
-        "Displacement of the hit point (thesis figure 5.9a)",
+        "Displacement of the impact point (thesis figure 5.9a)",
         "Reduced models over the fiber reference at 10, 15 and 20 m/s.",
         MAIN,
         {"cases": IMPACTS},
@@ -244,7 +244,7 @@ figures = (
         "figure-5-8",
         "force-displacement",
         "Static resistance (thesis figure 5.8)",
-        "Force against displacement of the hit point. The thesis prints curves without numbers: "
+        "Force against displacement of the impact point. The thesis prints curves without numbers: "
         "about 2.5 to 3 MN at 0.7 m can be read.",
         (*MAIN, "SDOF linear N"),
         {"cases": ("push to 0.7 m",)},
@@ -353,7 +353,7 @@ study = Study(
         "examples, is assumed). The 4-DOF model lies at the upper end of that reading. The fiber "
         "reference lies above the TL beam of the figure, whose mesh is unknown: coarse meshes of "
         "this workbench's reference move towards it.",
-        "Model-form warning: the 0.8 m segment below the hit point needs about 1.8 times its "
+        "Model-form warning: the 0.8 m segment below the impact point needs about 1.8 times its "
         "plastic shear resistance. Its web yields in shear before the bending mechanism forms. "
         "Models without shear, the fiber reference among them, are outside their domain: they "
         "reproduce the thesis and are compared with each other, not with a real column. What the "

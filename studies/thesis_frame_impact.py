@@ -94,7 +94,7 @@ figures = (
     Figure(
         "figure-5-14",
         "history",
-        "Displacement of the hit point (thesis figure 5.14)",
+        "Displacement of the impact point (thesis figure 5.14)",
         "Superelements with one element per member over the fiber frame.",
         (REFERENCE, RIGID, LINEAR, FLEXIBLE),
         {"cases": (CASE,)},

@@ -83,10 +83,10 @@ def absorbed(
 ) -> float:
     """Energy (J) that the rigid-plastic mechanism of a struck member absorbs before it collapses.
 
-    Arguments: `lengths` (m) of its segments; plastic moments (N m) at the hit point, `moment`, and
-    at the `ends`, 0 at a pin; axial `load` (N), compression positive. It collapses where its
-    displacement v is 0.9 of the shorter segment, beyond which models mean nothing, or before,
-    where the load, which sinks by v^2 / 2 (1 / a + 1 / b), does more work than the hinges.
+    Arguments: `lengths` (m) of its segments; plastic moments (N m) at the impact point, `moment`,
+    and at the `ends`, 0 at a pin; axial `load` (N), compression positive. It collapses where its
+    displacement v is 0.9 of the shorter segment, beyond which models mean nothing, or before, where
+    the load, which sinks by v^2 / 2 (1 / a + 1 / b), does more work than the hinges.
     """
     a, b = lengths
     slope = 1.0 / a + 1.0 / b

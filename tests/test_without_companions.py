@@ -36,7 +36,7 @@ from workbench.study.assessor import Assessment
 from workbench.study import Case, Study, assess, run_study
 
 assert "biggs" not in wb.model_names()
-impact = wb.hit(wb.Column("HEB 220", 0.8, 3.2, axial_load="500 kN"), mass=1500, velocity=15)
+impact = wb.impact(wb.Column("HEB 220", 0.8, 3.2, axial_load="500 kN"), mass=1500, velocity=15)
 assert "mm" in wb.simulate(impact).workbench.headline
 assert wb.sweep(impact, {"striker.velocity": [5.0, 10.0]}, ["four-dof"]).outcome.shape == (1, 2)
 models = {name: wb.make_model(name) for name in ("four-dof", "single-dof")}

@@ -5,6 +5,7 @@ They and the attributes of their results are public: within a minor version they
 arguments and their meaning. Everything else may move; docs/guide/python.md.
 """
 
+import warnings
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -31,7 +32,7 @@ _PUBLIC = {  # room: names that it gives
     "study": ("Study", "Case", "Figure", "Gate", "Budget", "load_study", "run_study"),
     "api.sweeps": ("simulate_many", "sweep"),
     "api.answers": (
-        *("Comparison", "compare", "fit_residual", "hit", "load", "simulate", "study_of"),
+        *("Comparison", "compare", "fit_residual", "impact", "load", "simulate", "study_of"),
     ),
 }
 _ROOMS = {name: room for room, names in _PUBLIC.items() for name in names}
@@ -40,6 +41,9 @@ __all__ = ["__version__", *_ROOMS]
 
 def __getattr__(name: str) -> Any:
     """A public name, from its room, which is imported now."""
+    if name == "hit":  # the name until 0.1, kept for one release
+        warnings.warn("wb.hit is called wb.impact now", DeprecationWarning, stacklevel=2)
+        name = "impact"
     if name not in _ROOMS:
         raise AttributeError(f"module 'workbench' has no attribute {name!r}")
     value = getattr(import_module(f"workbench.{_ROOMS[name]}"), name)

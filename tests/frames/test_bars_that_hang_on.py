@@ -25,7 +25,7 @@ def hung(velocity: float, stiffness: float = 448e3) -> ColumnImpact:
         axial_load=548.4e3,
         restraint_stiffness=stiffness,
     )
-    return wb.hit(column, mass=1100, velocity=velocity, duration=0.3)
+    return wb.impact(column, mass=1100, velocity=velocity, duration=0.3)
 
 
 def test_fibers_whose_bars_hang_on_stand_where_independent_fibers_do() -> None:

@@ -5,29 +5,33 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from workbench.mechanics.impact.pace import Pace, aimed, growth, late_peak, met
+from workbench.mechanics.impact.pace import Pace, contact_time, growth, late_peak, next_step_size
 
 PACE = Pace(1.0, 1e-5, 1e-2, 1e-3, 1e-2, 0.1, 1e-4, 10_000)
 
 
 def test_a_step_ends_at_the_end_or_the_next_impact() -> None:
-    assert aimed(PACE, 0.995, 1e-2, 1.0, 1.0) == pytest.approx(0.005)
-    assert aimed(PACE, 0.5, 1e-2, 0.004, -2.0) == pytest.approx(0.002)  # the gap closes there
-    assert aimed(PACE, 0.5, 1e-2, 0.004, 2.0) == 1e-2
-    assert aimed(PACE, 0.5, 1e-2, 1e-9, -2.0) == PACE.first
+    assert next_step_size(PACE, 0.995, 1e-2, 1.0, 1.0) == pytest.approx(0.005)
+    assert next_step_size(PACE, 0.5, 1e-2, 0.004, -2.0) == pytest.approx(
+        0.002
+    )  # the gap closes there
+    assert next_step_size(PACE, 0.5, 1e-2, 0.004, 2.0) == 1e-2
+    assert next_step_size(PACE, 0.5, 1e-2, 1e-9, -2.0) == PACE.first
     equal = PACE._replace(error=np.inf)
-    assert aimed(equal, 0.503, 1.0, 1.0, 1.0) == pytest.approx(0.007)  # to the next multiple
+    assert next_step_size(equal, 0.503, 1.0, 1.0, 1.0) == pytest.approx(
+        0.007
+    )  # to the next multiple
 
 
 @pytest.mark.parametrize(("start", "end"), [(-1.0, -1.0), (-1.0, -3.0), (0.5, -3.0), (-2.0, -1.0)])
 def test_the_gap_closes_where_its_parabola_crosses_zero(start: float, end: float) -> None:
     gap, dt = 0.05, 0.1
-    when = met(gap, start, end, dt, 1e-12)
+    when = contact_time(gap, start, end, dt, 1e-12)
     assert 0.0 < when < dt
     left = gap + start * when + 0.5 * (end - start) / dt * when**2
     assert left == pytest.approx(0.0, abs=1e-12 if end <= start else 0.03)  # before the least gap
-    assert met(gap, start, 1.0, dt, 1e-12) == np.inf
-    assert met(0.3, start, end, dt, 1e-12) == np.inf
+    assert contact_time(gap, start, 1.0, dt, 1e-12) == np.inf
+    assert contact_time(0.3, start, end, dt, 1e-12) == np.inf
 
 
 def test_steps_grow_with_the_root_of_the_error_allowed() -> None:

@@ -26,7 +26,7 @@ LENGTH = 8.0
 
 
 def push_at(section: Section, demand: float) -> ColumnPushover:
-    """A column whose segment below the hit point needs `demand` of its shear resistance."""
+    """A column whose segment below the impact point needs `demand` of its shear resistance."""
     column = Column(section, 1.0, LENGTH - 1.0, fillets=False)
     below = shear_demand(ColumnPushover("unit", column, 0.01))["below"] / demand
     column = replace(column, length_below=below, length_above=LENGTH - below)

@@ -37,7 +37,7 @@ def test_stability_functions_go_over_into_their_series(load: float) -> None:
 
 
 def stiffness(column: Column, shear: float) -> float:
-    """Of the rigid bars on their springs at the hit point, the axial load included."""
+    """Of the rigid bars on their springs at the impact point, the axial load included."""
     a, b, c = beam_springs(column, shear), column.length_below, column.length_above
     kappa = 1.0 / b + 1.0 / c
     hinges = 1.0 / a.base / b**2 + kappa**2 / (a.below + a.above) + 1.0 / a.head / c**2
@@ -45,7 +45,7 @@ def stiffness(column: Column, shear: float) -> float:
 
 
 def moments(column: Column) -> np.ndarray:
-    """Of base, hit point and head under a unit force, without axial load."""
+    """Of base, impact point and head under a unit force, without axial load."""
     springs, below, above = beam_springs(column, RIGID), column.length_below, column.length_above
     v = 1.0 / stiffness(column, RIGID)
     turned = np.array([1.0 / below, 1.0 / below + 1.0 / above, 1.0 / above])

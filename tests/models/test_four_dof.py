@@ -58,8 +58,8 @@ def test_elastic_stiffness_at_midspan(base: str, head: str, factor: float) -> No
 
 
 def test_one_pinned_end_gives_the_series_of_its_hinges() -> None:
-    # bar a: one hinge 3EI/l at the hit point; bar b: 6EI/l at both ends. Moment balance at the
-    # hit point and rigid-bar kinematics give k = sum of end stiffnesses / l^2 + middle in series
+    # bar a: one hinge 3EI/l at the impact point; bar b: 6EI/l at both ends. Moment balance at the
+    # impact point and rigid-bar kinematics give k = sum of end stiffnesses / l^2 + middle in series
     column = elastic_column(base="pinned", length_below=1.0, length_above=3.0)
     stiffness = 210e9 * 8091e-8
     low, high, top = 3 * stiffness / 1.0, 6 * stiffness / 3.0, 6 * stiffness / 3.0

@@ -224,9 +224,10 @@ def test_a_model_that_uses_the_input_is_named(thesis_impact) -> None:
     assert any("column.head_mass" in doubt for doubt in doubts("single-dof", scenario))
 
 
-# -- a mass at the hit point ---------------------------------------------------------------------
-# one mass on 48 EI / L^3: under an impulse I the peak is I / (k m)^1/2, after a hit that of the
-# joined masses; the member adds 17/35 of its mass, and its webs deform by some percent
+# -- a mass at the impact point
+# --------------------------------------------------------------------- one mass on 48 EI / L^3:
+# under an impulse I the peak is I / (k m)^1/2, after a hit that of the joined masses; the member
+# adds 17/35 of its mass, and its webs deform by some percent
 
 SPREAD = ("flexible-superelement", "rigid-superelement", "giberson")
 BEAM = Column(find("HEB 180"), 2.5, 2.5, base="pinned", head="pinned", impact_mass=3000.0)
@@ -245,7 +246,7 @@ def without_interval(scenario: Scenario, name: str) -> float:
     response = advised(model, scenario, model.simulate(scenario))
     error = json.loads(response.attrs["error"])
     assert error["low"] is None
-    assert error["reason"] == "errors were measured without a mass attached at the hit point"
+    assert error["reason"] == "errors were measured without a mass attached at the impact point"
     assert not any(f.subject in ("error", "unused-input") for f in findings_of(response))
     return float(response["peak_displacement"])
 

@@ -96,7 +96,7 @@ def random_mechanism(rng: np.random.Generator) -> Mechanism:
 
 
 def step_by_step(mechanisms: list[Mechanism], steps: int) -> tuple[np.ndarray, np.ndarray]:
-    """Displacements and (F, N, M of the hit point), [steps, columns], by projection per step.
+    """Displacements and (F, N, M of the impact point), [steps, columns], by projection per step.
 
     Nothing of the event algorithm: each step minimises the complementary energy over N with the
     moments clipped to |M| <= Mp min(1, (Np - |N|) / (Np - Nc)), by bisection of its derivative, all
@@ -139,7 +139,7 @@ def step_by_step(mechanisms: list[Mechanism], steps: int) -> tuple[np.ndarray, n
 def test_analytic_events_of_the_thesis_column(thesis) -> None:
     curve = thesis["analytic"]
     assert [event.name for event in curve.events] == [
-        "base yields", "hit point yields", "head yields", "axial force vanishes",
+        "base yields", "impact point yields", "head yields", "axial force vanishes",
         "tension grows", "catenary",
     ]  # fmt: skip
     at = [event.displacement for event in curve.events]

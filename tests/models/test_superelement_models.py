@@ -680,8 +680,8 @@ def impacts(draw: st.DrawFn) -> FrameImpact:
 def bears(impact: FrameImpact) -> bool:
     """Whether the struck member absorbs the energy; dead loads are a matter of the domain.
 
-    But for one on the hit point of a beam, whose bending no check of the domain sees. The hinges of
-    the member, and those of the weakest at its ends, are reduced by its axial force.
+    But for one on the impact point of a beam, whose bending no check of the domain sees. The hinges
+    of the member, and those of the weakest at its ends, are reduced by its axial force.
     """
     frame = impact.frame
     state = dead_load_state(frame)

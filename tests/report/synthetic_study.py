@@ -20,7 +20,7 @@ from workbench.study import Case, Figure, Study, run_study
 from workbench.study.assessment import Gate
 from workbench.study.assessor import Assessment, assess, read_assessment
 
-HINGES = ("base", "hit point", "head")
+HINGES = ("base", "impact point", "head")
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Synthetic(Declared, table="option"):
         """A warning about short segments."""
         ratio = 1.44 / scenario.column.length_below
         if self.warns and ratio > 1.0:
-            text = f"the segment below the hit point needs V/Vpl = {ratio:.2f}; no shear model"
+            text = f"the segment below the impact point needs V/Vpl = {ratio:.2f}; no shear model"
             return [Finding("shear", text)]
         return []
 

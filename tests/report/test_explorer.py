@@ -164,7 +164,9 @@ def test_curves_are_those_that_were_stored(stored, page):
     shape = cell["shape"]
     assert shape["points"] == [2, 2]
     assert shape["chords"]
-    moved_there = unpacked(shape["moved"], 8)[:, 3]  # of the hit point, across the column that lies
+    moved_there = unpacked(shape["moved"], 8)[
+        :, 3
+    ]  # of the impact point, across the column that lies
     assert moved_there.max() == pytest.approx(moved.max(), rel=2e-3)
     assert "band" not in cell_of(data, case, "fast")
     assert "t" not in cell_of(data, case, "estimate")

@@ -13,8 +13,8 @@ from workbench.cli import run
 from workbench.extras.intake.kinds import check_file
 from workbench.studs import POINTS, TESTS, fit_load_slip, fit_residual, fit_strength, shipped
 from workbench.studs.damaged import damaged_rows
+from workbench.studs.plausibility import suspicions
 from workbench.studs.schema import from_frame
-from workbench.studs.suspicion import suspicions
 
 Maker = Callable[..., pd.DataFrame]
 

@@ -174,7 +174,7 @@ PEAKS = {
 
 @pytest.mark.parametrize("exponents", PEAKS)
 def test_figure_5_9_with_the_mass_of_the_thesis(thesis_impact, exponents) -> None:
-    """Massless bars and a third of the column's mass at the hit point."""
+    """Massless bars and a third of the column's mass at the impact point."""
     frame = frame_of(replace(thesis_impact.column, mass_per_length=0.01))
     nodes = tuple(replace(n, mass=95.2467) if n.name == "hit" else n for n in frame.nodes)
     frame = replace(frame, nodes=nodes)

@@ -133,7 +133,7 @@ SAG = 5.0 / 384.0 * 2000.0 * GRAVITY * LENGTH**4 / (STIFFNESS * LENGTH**3 / 48.0
 @pytest.mark.parametrize(
     ("name", "least", "most"),
     [
-        # two rigid bars bring half of the weight to the hit point: 4/5 of the deflection
+        # two rigid bars bring half of the weight to the impact point: 4/5 of the deflection
         *((name, 0.79, 0.83) for name in ("single-dof", "soft-impact", "four-dof")),
         *((name, 0.97, 1.04) for name in FRAMES),
     ],

@@ -53,9 +53,9 @@ UPPER_BOUND = (  # no warning: it holds of most scenarios and says nothing about
 )
 FORCE_UNMEASURED = (
     "the error of the largest contact force was not measured; it hangs on the mass that a model "
-    "gives the hit point, and models that agree in displacement differ in it"
+    "gives the impact point, and models that agree in displacement differ in it"
 )
-OPEN = "stands or not: the record ends before the peak"
+OPEN = "survives or not: the record ends before the peak"
 TABLED = (PEAK, "time_of_peak", "residual_displacement", "peak_force", "impulse")
 
 
@@ -87,7 +87,7 @@ def fate_of(response: Response) -> str:
         return f"no answer, {outcome_of(response).value}"
     if known is None:
         return OPEN
-    return "stands" if PEAK in response or "force" in response else ""
+    return "survives" if PEAK in response or "force" in response else ""
 
 
 def _interval(peak: float, error: ExpectedError) -> str:
@@ -250,7 +250,7 @@ class Answered:
     Examples
     --------
     >>> import workbench as wb
-    >>> hit = wb.hit(wb.Column("HEB 220", 0.8, 3.2), mass=1500, velocity=80)
+    >>> hit = wb.impact(wb.Column("HEB 220", 0.8, 3.2), mass=1500, velocity=80)
     >>> answer = wb.simulate(hit, "four-dof").workbench
     >>> answer.outcome.value, answer.number("peak_displacement")
     ('collapse', nan)

@@ -61,7 +61,7 @@ def load(path: Path | str, *overrides: str) -> Scenario:
     return load_scenario(path, overrides)
 
 
-def hit(
+def impact(
     structure: Column | Frame,
     mass: float | str,
     velocity: float | str,
@@ -104,7 +104,7 @@ def hit(
     Examples
     --------
     >>> column = wb.Column("HEB 220", length_below="0.8 m", length_above=3.2)
-    >>> wb.hit(column, mass=1500, velocity="54 km/h").input_energy
+    >>> wb.impact(column, mass=1500, velocity="54 km/h").input_energy
     168750.0
     """
     numbers: Any = (mass, velocity, restitution)
@@ -160,10 +160,10 @@ def simulate(
     Examples
     --------
     >>> column = wb.Column("HEB 220", 0.8, 3.2, axial_load="500 kN")
-    >>> response = wb.simulate(wb.hit(column, mass=1500, velocity=5), "four-dof")
+    >>> response = wb.simulate(wb.impact(column, mass=1500, velocity=5), "four-dof")
     >>> response.workbench.outcome.value
     'ok'
-    >>> wb.simulate(wb.hit(column, 1500, 80), "four-dof").workbench.outcome.value
+    >>> wb.simulate(wb.impact(column, 1500, 80), "four-dof").workbench.outcome.value
     'collapse'
     """
     given = load_scenario(scenario) if isinstance(scenario, (Path, str)) else scenario
@@ -193,7 +193,7 @@ class Comparison:
 
     Examples
     --------
-    >>> impact = wb.hit(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
+    >>> impact = wb.impact(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
     >>> answers = wb.compare(impact, ["single-dof", "energy-estimate"], reference="single-dof")
     >>> answers["energy-estimate"].workbench.outcome.value
     'ok'
@@ -254,7 +254,7 @@ def compare(
 
     Examples
     --------
-    >>> hit = wb.hit(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
+    >>> hit = wb.impact(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
     >>> answers = wb.compare(hit, ["four-dof", "energy-estimate"], reference="four-dof")
     >>> list(answers.table["model"])
     ['four-dof', 'energy-estimate']
@@ -311,7 +311,7 @@ def study_of(
     Examples
     --------
     >>> column = wb.Column("HEB 220", 2.0, 2.0)
-    >>> hits = {f"{v} m/s": wb.hit(column, mass=1500, velocity=v) for v in (4, 7)}
+    >>> hits = {f"{v} m/s": wb.impact(column, mass=1500, velocity=v) for v in (4, 7)}
     >>> len(wb.study_of(hits, ["four-dof", "energy-estimate"], "four-dof").cases)
     2
     """

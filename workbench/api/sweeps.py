@@ -59,7 +59,7 @@ def simulate_many(
     Examples
     --------
     >>> column = wb.Column("HEB 220", 0.8, 3.2, axial_load="500 kN")
-    >>> hits = [wb.hit(column, mass=1500, velocity=v) for v in (5, 10, 80)]
+    >>> hits = [wb.impact(column, mass=1500, velocity=v) for v in (5, 10, 80)]
     >>> wb.simulate_many("single-dof", hits).outcome.tolist()
     ['ok', 'ok', 'collapse']
     """
@@ -105,7 +105,7 @@ def sweep(
     Examples
     --------
     >>> column = wb.Column("HEB 220", 0.8, 3.2, axial_load="500 kN")
-    >>> impact = wb.hit(column, mass=1500, velocity=5)
+    >>> impact = wb.impact(column, mass=1500, velocity=5)
     >>> swept = wb.sweep(impact, {"striker.velocity": [5, 10, 80]}, ["single-dof", "four-dof"])
     >>> swept.sizes["striker.velocity"]
     3

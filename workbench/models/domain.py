@@ -154,7 +154,7 @@ def shear_demand(scenario: ColumnScenario) -> dict[str, float]:
 
 
 def mechanism_demand(column: Column, *, uniform: bool = False) -> Mapping[str, float]:
-    """Demand of the mechanism of a column under a `uniform` load, or a force at the hit point."""
+    """Mechanism demand of a column under a `uniform` load, or a force at its impact point."""
     name = f"demand of a {'line' if uniform else 'point'} load"
     if name not in column.kept:
         column.kept[name] = _demand(column, uniform)

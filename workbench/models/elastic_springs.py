@@ -1,20 +1,21 @@
 """Springs with which two rigid bars are the elastic column under a force or a line load.
 
 The moments of a straight elastic bar of length l and its rotations against its own chord are, with
-M_end behind, M_hit at the hit point, both positive in double curvature, and the axial load P,
+M_end behind, M_hit at the impact point, both positive in double curvature, and the axial load P,
 
   t_end = f1 M_end - f2 M_hit + s V,   t_hit = f1 M_hit - f2 M_end + s V,   V = (M_end + M_hit) / l
 
 where, with u^2 = P l^2 / EI, f1 = (1 - u cot u) / u^2 and f2 = (u / sin u - 1) / u^2, times l / EI
 (1/3 and 1/6 without load: Timoshenko and Gere, Theory of elastic stability, 1961), and s = 1 / GA_v
-is the shear strain. Both bars meet the displacement v = 1 with one slope and one moment at the hit
-point; ends are clamped or free to turn. The moments M at v = 1 follow from four linear equations.
+is the shear strain. Both bars meet the displacement v = 1 with one slope and one moment at the
+impact point; ends are clamped or free to turn. The moments M at v = 1 follow from four linear
+equations.
 
 A hinge of two rigid bars that takes M while its bar turns by 1 / l has the secant stiffness M l:
 displacement and all moments are then those of the elastic column, axial load and shear included.
-Without both and with clamped ends that is 3 EI L / (L_a L_b) at the ends and 6 EI / L at the hit
+Without both and with clamped ends that is 3 EI L / (L_a L_b) at the ends and 6 EI / L at the impact
 point; 6 EI / l of each bar, as Heng 2017 has it, is the same only in the middle. The slope at the
-hit point is none of the unknowns of the column that an observer sees: the two hinges there
+impact point is none of the unknowns of the column that an observer sees: the two hinges there
 share their flexibility by the lengths of their bars.
 """
 
@@ -30,7 +31,7 @@ from workbench.scenarios import Column
 
 
 class Springs(NamedTuple):
-    """Flexibilities (rad/(N m)) of the hinges at `base`, hit point (`below`, `above`), `head`.
+    """Flexibilities (rad/(N m)) of the hinges at `base`, impact point (`below`, `above`), `head`.
 
     Infinite at a pinned end; of a stack of columns arrays.
     """
@@ -60,7 +61,7 @@ def line_function(load: float) -> float:
 
 
 def thesis_springs(column: Column, factor: float) -> Springs:
-    """Springs c EI / l, c the `factor`; half of it at the hit point if the far end is pinned."""
+    """Springs c EI / l, c the `factor`; half of it at the impact point if the far end is pinned."""
     bending = factor * column.steel.elastic_modulus * column.properties.second_moment
     inf = float("inf")
     turned = [
@@ -76,7 +77,7 @@ def beam_springs(
     """Springs of the elastic column of the shear stiffness GA_v (N), or of each of a stack.
 
     `sliding`: its shear strain is not in the hinges but in the bars; `uniform`: under a line load
-    instead of a force at the hit point. A load so near to buckling that it turns the sense of an
+    instead of a force at the impact point. A load so near to buckling that it turns the sense of an
     end moment has no such springs; it is then left out of them. So is a line load that turns it.
     """
     bending = column.steel.elastic_modulus * column.properties.second_moment
@@ -124,10 +125,14 @@ def _secants(
     """Rotations of the bars over the moments of a column, into its `springs` (4,).
 
     Arguments: `numbers`, bending stiffness, axial load, shear stiffness; whether there is a force
-    at the hit point or a `line` load, v = 1 there either way; scratch `A` (4, 4), `moments` (2, 4).
+    at the impact point or a `line` load, v = 1 there either way; scratch `A` (4, 4), `moments` (2,
+    4).
     """
     bending, load, shear_stiffness = numbers
-    A[:], moments[:] = 0.0, 0.0  # M_base, M_hit, M_head, slope at the hit point; over the rotations
+    A[:], moments[:] = (
+        0.0,
+        0.0,
+    )  # M_base, M_hit, M_head, slope at the impact point; over the rotations
     by_v, by_line = moments[0], moments[1]  # turned by v = 1, and by a line load of 1 N/m
     for bar in range(2):
         length = lengths[bar]
@@ -151,7 +156,7 @@ def _secants(
         return
     first, last = 1.0 / lengths[0], 1.0 / lengths[1]
     whole = first + last
-    if line:  # its half at the hit point does the work of the moments and of the axial load
+    if line:  # its half at the impact point does the work of the moments and of the axial load
         needed = first * by_v[0] + whole * by_v[1] + last * by_v[2] - whole * load
         done = first * by_line[0] + whole * by_line[1] + last * by_line[2]
         factor = needed / (0.5 * (lengths[0] + lengths[1]) - done)

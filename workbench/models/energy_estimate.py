@@ -125,7 +125,7 @@ def absorb(rows: MechanismRows, energies: Array, codes: Indices, peaks: Array, l
 
 
 def weights_of(scenario: ColumnImpact) -> float:
-    """Weight (N) along the strike of striker and column, which goes on with the hit point."""
+    """Weight (N) along the strike of striker and column, which goes on with the impact point."""
     return scenario.striker.mass * scenario.acceleration + scenario.dead_force
 
 

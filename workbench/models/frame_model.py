@@ -31,9 +31,9 @@ from workbench.mechanics.frames.structure import (
     Cut,
     FrameStructure,
     SuperelementMembers,
+    apply_dead_loads,
     cut_members,
     joint_inertias,
-    stand_frame,
     struck_parts,
 )
 from workbench.mechanics.structures.assembly import PlanarAssembly
@@ -374,7 +374,7 @@ def _standing(
     group = model.group(frame, cut)
     members = SuperelementMembers(group, cut.coordinates, parts)
     inertia = joint_inertias(cut.nodes, cut.pieces)
-    structure = stand_frame(frame, cut.coordinates, [group], members, rotary_inertia=inertia)
+    structure = apply_dead_loads(frame, cut.coordinates, [group], members, rotary_inertia=inertia)
     if frame.steel.rate is not None and (share := group.envelope_share()) >= 1.0:
         raise out_of_domain("bars-at-rest", share=share)
     return as_column(structure) if column else structure

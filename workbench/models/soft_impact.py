@@ -76,7 +76,7 @@ def crush(approach, crushed, stiffness, crush_force):
 
 
 @uncounted
-def step(s, progress, dt, may):
+def step(s, progress, dt, can_touch):
     """A leapfrog step."""
     now, new = s.states[0], s.states[1]
     mass, striker = now.mass, progress.mass
@@ -231,13 +231,13 @@ class SoftImpact(OnCurve):
         "Resistance of the single-DOF column: two rigid bars with plastic hinges, small rotations, "
         "springs of the elastic column; with resistance = panel the "
         "static curve of `four-dof-shear`.",
-        "At most one third of the column's mass acts at the hit point; a head mass is left out.",
+        "At most one third of the column's mass acts at the impact point; a head mass is left out.",
         "No local buckling; strain rate by one factor.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017", "ceb1988", "en1991-1-7")
 
     def curve(self, scenario: ColumnImpact) -> ResistanceCurve:
-        """Resistance of the column at its hit point. Raises `OutOfDomainError`."""
+        """Resistance of the column at its impact point. Raises `OutOfDomainError`."""
         spring, given = (self.rotational_stiffness, self.resistance), self.given(scenario)
         return column_curve(scenario.column, *spring, self.interaction, given=given)
 

@@ -57,8 +57,8 @@ class Column(MadeOfSteel, table="column"):
     """
 
     section: Section = checked(SECTION)
-    length_below: float = checked(LENGTH, help="from the base to the hit point")
-    length_above: float = checked(LENGTH, help="from the hit point to the head")
+    length_below: float = checked(LENGTH, help="from the base to the impact point")
+    length_above: float = checked(LENGTH, help="from the impact point to the head")
     steel: Steel = checked(Instance(Steel), Steel())
     fillets: bool = checked(Flag(), True, help="whether root fillets count in the strength")
     base: str = checked(Choice(("clamped", "pinned"), CLAMPED_HINT), "clamped")
@@ -83,7 +83,7 @@ class Column(MadeOfSteel, table="column"):
     impact_mass: float | None = checked(
         Number(1e-3, 1e7, "kg"),
         optional=True,
-        help="lumped at the hit point, else rho A L / 3; what is more is attached there",
+        help="lumped at the impact point, else rho A L / 3; what is more is attached there",
     )
 
     def check(self) -> None:
@@ -114,7 +114,7 @@ class Column(MadeOfSteel, table="column"):
 
     @property
     def attached_mass(self) -> float:
-        """Mass (kg) at the hit point beside the column's own, of which a third stands for it."""
+        """Mass (kg) at the impact point beside the column's own, of which a third stands for it."""
         properties = self.properties
         own: float = properties.mass_per_length * self.length / 3.0
         return max(0.0, properties.impact_mass - own)
@@ -251,7 +251,7 @@ class Weighed:
 
     @property
     def dead_force(self) -> float:
-        """Weight (N) of the column that acts at its hit point, as two rigid bars bring it there."""
+        """Weight (N) of the column at its impact point, as two rigid bars bring it there."""
         column, gravity = self.column, self.acceleration
         if gravity == 0.0:
             return 0.0

@@ -295,10 +295,10 @@ def _is_held(node: Node, axis: str) -> bool:
 
 @lru_cache(maxsize=64)
 def frame_of(column: Column) -> Frame:
-    """Return a column as a frame: nodes base, hit and head, members below and above the hit point.
+    """Return a column as a frame: nodes base, hit and head, members below and above the hit.
 
     Its axial load is a dead load on the head, its restraint a spring there. Members carry their
-    own mass; of an `impact_mass` the hit point has what is attached beside a third of that.
+    own mass; of an `impact_mass` the impact point has what is attached beside a third of that.
     """
     head = Node("head", 0.0, column.length, HEADS[column.head], column.head_mass)
     locked = "y" if column.head == "fixed" else "none"

@@ -173,7 +173,7 @@ class MemberPulse(Weighed, Declared, table="time"):
         Choice((POINT, UNIFORM)),
         POINT,
         path="pulse.load",
-        help="point: a force (N) on the hit point; uniform: a line load (N/m) on all the length",
+        help="point: a force (N) on the impact point; uniform: a line load (N/m) on all the length",
     )
     duration: float = checked(DURATION, 0.1)
     direction: str | None = checked(

@@ -26,10 +26,10 @@ from workbench.studs.fit_protocol import (
     judge,
     outlier_findings,
 )
+from workbench.studs.plausibility import suspicions
 from workbench.studs.schema import NO_PREDAMAGE
 from workbench.studs.statistics.intervals import influence_of, without_each
 from workbench.studs.statistics.mixed import LEAST_CAMPAIGNS, fit_robust, problem
-from workbench.studs.suspicion import suspicions
 from workbench.studs.tables import Array, equal_studs
 
 EXPONENTS = (0.3, 30.0)  # 1: linear; below it damage adds up, far above it nothing interacts

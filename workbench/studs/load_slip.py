@@ -37,9 +37,9 @@ from workbench.studs.fit_protocol import (
     grade_of,
     judge,
 )
+from workbench.studs.plausibility import suspicions_of_points
 from workbench.studs.statistics.intervals import influence_of, without_each
 from workbench.studs.statistics.mixed import fit, location
-from workbench.studs.suspicion import suspicions_of_points
 from workbench.studs.tables import Array, curves_of, recorded
 
 

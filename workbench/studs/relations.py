@@ -47,6 +47,7 @@ from workbench.studs.fit_protocol import (
     judge,
     outlier_findings,
 )
+from workbench.studs.plausibility import suspicions
 from workbench.studs.schema import FATIGUE, LIFE, NO_PREDAMAGE, QUANTITIES
 from workbench.studs.series import CHARACTERISTIC, TABLE_DESIGN
 from workbench.studs.statistics.intervals import (
@@ -60,7 +61,6 @@ from workbench.studs.statistics.intervals import (
     without_each,
 )
 from workbench.studs.statistics.mixed import Estimate, Problem, fit, fit_robust, problem, weighed
-from workbench.studs.suspicion import suspicions
 from workbench.studs.tables import Array
 
 SOURCES = ("oehlers1990", "hanswille2007", "oehlers-foley1985", "yao2018")  # bibliography keys

@@ -29,6 +29,12 @@ from workbench.studs.fit_protocol import (
     outlier_findings,
 )
 from workbench.studs.formulas import Formula, characteristic_strength, strength_formula
+from workbench.studs.plausibility import (
+    measurement_of,
+    slab_findings,
+    strength_findings,
+    suspicions,
+)
 from workbench.studs.series import D8, evaluate_d8, sensitivities_of
 from workbench.studs.statistics.intervals import (
     LeftOut,
@@ -41,12 +47,6 @@ from workbench.studs.statistics.intervals import (
     without_each,
 )
 from workbench.studs.statistics.mixed import NEW, Problem, fit_robust, problem
-from workbench.studs.suspicion import (
-    measurement_of,
-    slab_findings,
-    strength_findings,
-    suspicions,
-)
 from workbench.studs.tables import (
     Array,
     RowIdentity,

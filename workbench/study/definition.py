@@ -53,7 +53,7 @@ class Case:
 
     Examples
     --------
-    >>> impact = wb.hit(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
+    >>> impact = wb.impact(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
     >>> wb.Case("slow", impact, parameters={"velocity (m/s)": 5.0}).models
     ()
     """
@@ -153,7 +153,7 @@ class Study:
 
     Examples
     --------
-    >>> case = wb.Case("slow", wb.hit(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5))
+    >>> case = wb.Case("slow", wb.impact(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5))
     >>> model = wb.make_model("four-dof")
     >>> study = wb.Study("mine", "Mine", "How far?", (case,), {"4 dof": model}, reference="4 dof")
     >>> [label for _, label in study.cells()]

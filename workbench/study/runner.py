@@ -495,7 +495,7 @@ def run_study(
     Examples
     --------
     >>> from pathlib import Path
-    >>> impact = wb.hit(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
+    >>> impact = wb.impact(wb.Column("HEB 220", 2.0, 2.0), mass=1500, velocity=5)
     >>> study = wb.study_of([impact], ["energy-estimate", "single-dof"], "single-dof")
     >>> wb.run_study(study, Path("results"), jobs=0).outcomes
     {'ok': 2}

@@ -15,7 +15,7 @@ from workbench.steel.materials import GRADES, MILD_STEEL
 COLUMN = wb.Column(
     "HEB 220", 0.8, 3.2, fillets=False, axial_load="500 kN", restraint_stiffness="10 kN/mm"
 )
-HIT = wb.hit(COLUMN, mass=1500, velocity=15)
+HIT = wb.impact(COLUMN, mass=1500, velocity=15)
 
 
 def drawn(answers: wb.Comparison, kind: str) -> Canvas:
@@ -48,7 +48,7 @@ def generalized_hinge() -> Canvas:
 
 
 def soft_impact() -> Canvas:
-    """Striker and hit point, for a rigid striker and two that crush."""
+    """Striker and impact point, for a rigid striker and two that crush."""
     canvas = new_figure(2.5)
     speed, way = canvas.subplots(1, 2)
     fronts = {"rigid": None, "10 MN/m": 10e6, "2 MN/m": 2e6}
@@ -94,7 +94,7 @@ def strain_rate() -> Canvas:
 def superelements() -> Canvas:
     """Shapes of a struck portal."""
     frame = wb.regular_frame((6.0,), (4.0,), "HEB 220", "IPE 300", base="clamped")
-    hit = wb.hit(frame.split("A0-A1", 0.8, "hit"), 1500, 8, node="hit", direction="+x")
+    hit = wb.impact(frame.split("A0-A1", 0.8, "hit"), 1500, 8, node="hit", direction="+x")
     models = ["flexible-superelement", "rigid-superelement"]
     return drawn(wb.compare(hit, models, models[0]), "deformed")
 

@@ -377,7 +377,7 @@ OFF_MIDSPAN = (
 
 @pytest.mark.parametrize("case", OFF_MIDSPAN, ids=lambda case: case[0])
 def test_a_force_off_midspan_moves_superelements_as_far_as_fiber_beams(case) -> None:
-    """One bar on either side went up to twice as far: its mass swings with the hit point alone."""
+    """One bar on either side went up to twice as far: its mass swings with its impact point."""
     profile, below, above, base, force, length = case
     member = Column(find(profile), below, above, base=base, head="pinned")
     scenario = MemberPulse("off midspan", member, Pulse("triangular", force, length), "point", 0.06)

@@ -12,10 +12,10 @@ from workbench.base.fields import Choice, did_you_mean
 from workbench.base.tables import FOUND_OUT, Reading, read_cells
 from workbench.extras.intake.conversion import convert, find
 from workbench.extras.intake.impact_tests import IMPACTS
-from workbench.extras.intake.impact_tests import suspicion as of_impacts
+from workbench.extras.intake.impact_tests import plausibility as of_impacts
 from workbench.extras.intake.mapping import Mapping
 from workbench.responses import Finding
-from workbench.studs import suspicion as of_studs
+from workbench.studs import plausibility as of_studs
 from workbench.studs.schema import POINTS, TESTS, TableSchema, examine, examined
 from workbench.studs.tables import SHIPPED, same_contents
 

@@ -1,7 +1,7 @@
 """The column of four unknowns and structures, as the integrators of the laboratory ask for them.
 
 The striker is one more unknown, the last: q = (structure, x_c), gap = w . q_structure - x_c. What
-has no mass (the rotation of the hit point) follows inside the forces.
+has no mass (the rotation of the impact point) follows inside the forces.
 """
 
 import numpy as np

@@ -68,12 +68,12 @@ class Biggs(SingleDof):
     crushing: ClassVar[bool] = False  # the energy says which mass is hit
     assumptions: ClassVar[tuple[str, ...]] = (
         "The member moves in the shape that its load makes statically, another one for each stage: "
-        "elastic, elastic with hinges, mechanism with hinges at clamped ends and at the hit point.",
+        "elastic, elastic with hinges, mechanism with hinges at clamped ends and the impact point.",
         "Flexure alone: the axial load lowers the plastic moment and does nothing else, there is "
         "no second-order work and no catenary action.",
         "A striker meets the mass of the stage to which its energy takes the member; one that is "
         "given as the impact mass counts as it is, under a pulse what it is more than a third of "
-        "the member moves with the hit point.",
+        "the member moves with the impact point.",
         "Elastic unloading with the initial stiffness; no shear, no local buckling, no strain-rate "
         "effect.",
     )
@@ -98,7 +98,7 @@ class Biggs(SingleDof):
         return findings + light
 
     def stages(self, column: Column, uniform: bool = False) -> tuple[Stage, ...]:
-        """Stages under a force at the hit point, or under a `uniform` line load."""
+        """Stages under a force at the impact point, or under a `uniform` line load."""
         return stages_of(column, self.axial, uniform)
 
     def curve(self, column: Column, uniform: bool = False) -> ResistanceCurve:
@@ -172,11 +172,12 @@ def dynamic_reactions(
 ) -> Array:
     """Reactions (2, times) of both supports, from resistance and load over time.
 
-    A mass at the hit point is as heavy as the `attached` length (m) of the member.
+    A mass at the impact point is as heavy as the `attached` length (m) of the member.
 
     Biggs 1964, section 5.3: inertia forces have the shape of the stage, and the moments at ends and
-    hit point are those of the resistance. Both bars in equilibrium, vertically and about the
-    support, give both reactions, the shear forces beside the hit point and the size of the inertia.
+    impact point are those of the resistance. Both bars in equilibrium, vertically and about the
+    support, give both reactions, the shear forces beside the impact point and the size of the
+    inertia.
     """
     furthest = np.maximum.accumulate(np.abs(displacement))
     turns = np.append(True, furthest[1:] > furthest[:-1])  # farther than ever, either way
@@ -194,7 +195,8 @@ def dynamic_reactions(
         moments *= side[here, None]
         (below, at_below), (above, at_above) = stage.shape.inertia(0, 1), stage.shape.inertia(1, 2)
         line = 1.0 / (head - base) if uniform else 0.0
-        # reactions down, shear forces of the hit point on either bar, inertia; all along the load
+        # reactions down, shear forces of the impact point on either bar, inertia; all along the
+        # load
         balance = np.array(
             [
                 [-1.0, 0.0, 1.0, 0.0, -below],
@@ -216,7 +218,7 @@ def dynamic_reactions(
 
 
 def _share(uniform: bool) -> float:
-    """Of a load, what acts at the hit point of rigid bars."""
+    """Of a load, what acts at the impact point of rigid bars."""
     return 0.5 if uniform else 1.0
 
 

@@ -27,7 +27,7 @@ from workbench.scenarios import Column
 
 TRILINEAR, PROFILE, RIGID_PLASTIC = "trilinear", "profile", "rigid-plastic"
 _COMMON = (
-    "Single degree of freedom: a third of the column's mass at the hit point, elastic unloading "
+    "Single degree of freedom: a third of the column's mass at the impact point, elastic unloading "
     "with the initial stiffness.",
     "The original formulas were not at hand: derived here from the assumptions that are stated of "
     "them, and extended to any supports, place of the hit and axial load by the same equations.",
@@ -102,7 +102,7 @@ def rigid_plastic(mechanism: PlasticMechanism) -> ResistanceCurve:
 
 @lru_cache(maxsize=256)
 def catenary_curve(column: Column, shape: str, uniform: bool = False) -> ResistanceCurve:
-    """Resistance of a column at its hit point by one of the three models; kept for the next."""
+    """Resistance of a column at its impact point by one of the three models; kept for the next."""
     mechanism = mechanism_of(column, interaction=LINEAR, uniform=uniform)
     if shape == TRILINEAR:
         return trilinear(mechanism)

@@ -24,12 +24,12 @@ from workbench.scenarios import Column, ColumnImpact
 
 
 def turning(column: Column) -> float:
-    """Rotations of all hinges of the mechanism per displacement of the hit point, per m."""
+    """Rotations of all hinges of the mechanism per displacement of the impact point, per m."""
     return sum((2.0 if clamped else 1.0) / length for length, clamped in column.bars.values())
 
 
 def mechanism_load(column: Column, axial: str) -> float:
-    """Force (N) at the hit point of the mechanism with hinges there and at clamped ends."""
+    """Force (N) at the impact point of the mechanism with hinges there and at clamped ends."""
     return plastic_moment(column, axial) * turning(column)
 
 
@@ -49,7 +49,7 @@ class HandEstimate(Answering):
     assumptions: ClassVar[tuple[str, ...]] = (
         "Inelastic collision with a third of the column's mass; restitution 1: the whole energy "
         "of the striker is absorbed.",
-        "Rigid-plastic: the mechanism with hinges at the hit point and at clamped ends resists "
+        "Rigid-plastic: the mechanism with hinges at the impact point and at clamped ends resists "
         "with a constant force; no elastic deformation, so that all displacement stays.",
         "The axial load lowers the plastic moment and does nothing else: no second-order work, no "
         "catenary action.",

@@ -203,48 +203,56 @@ COLLAPSE_CONTRACTION = 0.1  # of the length of a straight chain of members: squa
 LEAST_LENGTH = 0.05  # of an element; plastic strains have lost all meaning long before
 
 
-class Lines(NamedTuple):
-    """Operator from displacements (dofs,) to the drift of members, in rows, and of their lines.
+class DriftOperator(NamedTuple):
+    """Matrices from nodal displacements to member drift, contraction and storey sway.
 
-    Dofs u, v of both ends of each member, its `corners` (members, 4); what of the movement of its
-    end from its start is `across` its axis and `along` it (members, 2), over its length; names of
-    the members of each straight line, its `chains`, and `chained` (chains, members), 1 over its
-    length; the dofs of upright members that are `swaying`, and what of that is drift of the line of
-    each, `sway` (swaying, uprights).
+    Dofs u, v of both ends of each member, its `corners` (members, 4); the `transverse` and `axial`
+    part of the movement of its end from its start (members, 2), over its length; names of the
+    members of each straight line, its `chains`, and `chain_average` (chains, members), 1 over its
+    length; the dofs of upright members, `column_dofs`, and the drift of the line of each from
+    them, `sway` (column_dofs, uprights).
     """
 
     corners: Indices
-    across: Array
-    along: Array
+    transverse: Array
+    axial: Array
     chains: list[tuple[str, ...]]
-    chained: Array
-    swaying: Indices
+    chain_average: Array
+    column_dofs: Indices
     sway: Array
 
 
-def _lines_of(frame: Frame, assembly: PlanarAssembly) -> Lines:
-    """The lines of a frame and of the dofs of its assembly."""
+def _drift_operator(frame: Frame, assembly: PlanarAssembly) -> DriftOperator:
+    """The drift operator of a frame and of the dofs of its assembly."""
     corners = np.stack([assembly.dofs(frame.ends[:, k], c) for k in (0, 1) for c in "uv"], axis=1)
-    return _lines(frame.elastic, corners.tobytes(), assembly.size)
+    return _drift_matrices(frame.elastic, corners.tobytes(), assembly.size)
 
 
 @lru_cache(maxsize=64)
-def _lines(frame: Frame, placed: bytes, size: int) -> Lines:
+def _drift_matrices(frame: Frame, placed: bytes, size: int) -> DriftOperator:
     lengths, corners = frame.lengths, np.frombuffer(placed, np.int64).reshape(-1, 4)
-    along = frame.chords / lengths[:, None] ** 2
-    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    axial = frame.chords / lengths[:, None] ** 2
+    transverse = np.stack([-axial[:, 1], axial[:, 0]], axis=1)
     moved, rows = np.zeros((len(lengths), size)), np.arange(len(lengths))[:, None]
-    moved[rows, corners] = np.concatenate([-across, across], axis=1)
+    moved[rows, corners] = np.concatenate([-transverse, transverse], axis=1)
     place = {member.name: i for i, member in enumerate(frame.members)}
     straight = [chain.members for chain in chains(frame)]
     members = np.zeros((len(straight), len(place)))
     for row, names in zip(members, straight, strict=True):
         row[[place[name] for name in names]] = 1.0
-    chained = members / (members @ lengths)[:, None]
-    lines = ((chained * lengths) @ moved)[members.argmax(axis=0)]
+    chain_average = members / (members @ lengths)[:, None]
+    lines = ((chain_average * lengths) @ moved)[members.argmax(axis=0)]
     drifting = lines[[place[name] for name in upright_names(frame)]]
-    swaying = np.flatnonzero(drifting.any(axis=0))
-    return Lines(corners, across, along, straight, chained, swaying, drifting[:, swaying].T.copy())
+    column_dofs = np.flatnonzero(drifting.any(axis=0))
+    return DriftOperator(
+        corners,
+        transverse,
+        axial,
+        straight,
+        chain_average,
+        column_dofs,
+        drifting[:, column_dofs].T.copy(),
+    )
 
 
 class CollapseWatch:
@@ -258,15 +266,15 @@ class CollapseWatch:
         self._structure = structure
         self.turned: CollapseError | None = None
         if "lines" not in structure.kept:
-            structure.kept["lines"] = _lines_of(structure.frame, structure.assembly)
-        self.lines: Lines = structure.kept["lines"]
+            structure.kept["lines"] = _drift_operator(structure.frame, structure.assembly)
+        self.lines: DriftOperator = structure.kept["lines"]
 
     def follow(self, displacement: Any, time: Any) -> None:
         """Note what has `turned` first, in the committed state or in several, one of each time."""
-        across = np.atleast_2d(self._apart(now=True))
-        rows = np.flatnonzero(across.max(axis=1) > COLLAPSE_SIDEWAYS)
+        transverse = np.atleast_2d(self._apart(now=True))
+        rows = np.flatnonzero(transverse.max(axis=1) > COLLAPSE_SIDEWAYS)
         if self.turned is None and len(rows):
-            row, apart = rows[0], across[rows[0]]
+            row, apart = rows[0], transverse[rows[0]]
             names = (self._structure.frame.members[int(apart.argmax())].name,)
             reached = (float(np.atleast_1d(each)[row]) for each in (displacement, time))
             reason = finding("turned-over", float(apart.max())).text
@@ -295,7 +303,7 @@ class CollapseWatch:
         self.follow(displacement, time)
         if self.turned is not None and self._apart(now=True).max() > TURNED_OVER:
             raise self.turned
-        lost = members.contractions() @ self.lines.chained.T
+        lost = members.contractions() @ self.lines.chain_average.T
         if lost.max() > COLLAPSE_CONTRACTION:
             names, most = self.lines.chains[int(lost.argmax())], 100.0 * COLLAPSE_CONTRACTION
             reason = finding("squashed", 100.0 * float(lost.max()), most=most).text
@@ -307,7 +315,7 @@ class CollapseWatch:
 
         Of displacements `moved` (dofs,): movement of the line's ends across it over its length.
         """
-        return np.asarray(np.abs(moved[..., self.lines.swaying] @ self.lines.sway))
+        return np.asarray(np.abs(moved[..., self.lines.column_dofs] @ self.lines.sway))
 
     def sideways(self) -> tuple[float, int]:
         """Largest movement of a member's ends across its axis over its length; which member."""
@@ -323,8 +331,8 @@ class CollapseWatch:
         """
         lines, at = self.lines, self._structure.assembly.displacement[..., self.lines.corners]
         apart = at[..., 2:] - at[..., :2]
-        moved = np.abs(np.sum(apart * lines.across, axis=-1))
+        moved = np.abs(np.sum(apart * lines.transverse, axis=-1))
         if now:
-            left = 1.0 + np.sum(apart * lines.along, axis=-1)
+            left = 1.0 + np.sum(apart * lines.axial, axis=-1)
             moved /= np.minimum(1.0, np.hypot(moved, left))
         return np.asarray(moved)

@@ -73,10 +73,10 @@ class StruckRecord(Record):
             collapse.LEAST_LENGTH,
             self.structure.members.first,
             lines.corners,
-            lines.across,
-            lines.along,
-            lines.chained.argmax(axis=0),
-            lines.chained.max(axis=0),
+            lines.transverse,
+            lines.axial,
+            lines.chain_average.argmax(axis=0),
+            lines.chain_average.max(axis=0),
         )
 
     def take(self, step: TimeStep | PathStep | Records, at: Any, *, turns: bool = False) -> None:
@@ -144,17 +144,25 @@ def strike(
     """
     striker = scenario.striker
     dof, sign = structure.dof(striker.node, striker.direction)
-    mass, calm, before = PointMass.of(scenario), 0.0, 0.0
+    mass, vibration_start, before = PointMass.of(scenario), 0.0, 0.0
     while True:
         view = structure.seen()
         record = kind(view, striker.node, striker.direction, scenario.duration)
-        steps = follow_impact(view.assembly, dof, mass, pace, record.limits, sign=sign, calm=calm)
+        steps = follow_impact(
+            view.assembly,
+            dof,
+            mass,
+            pace,
+            record.limits,
+            sign=sign,
+            vibration_start=vibration_start,
+        )
         answered = answer(scenario, record, timed(steps), largest_error)
         time, moved, speed = map(record.column, ("at", "displacement", "velocity"))
         side, push = side_of(time, moved), record.history(0.0, "impulse")
-        late = late_peak(pace, calm, time, side * moved, side * speed, push)
+        late = late_peak(pace, vibration_start, time, side * moved, side * speed, push)
         highest = float(np.abs(moved).max())
         gone = highest < NEARLY * before  # what small steps looked for: it may come yet later
-        if calm >= pace.duration or not (late or gone):
+        if vibration_start >= pace.duration or not (late or gone):
             return answered
-        calm, before = pace.duration if calm else PAST * late, highest
+        vibration_start, before = pace.duration if vibration_start else PAST * late, highest

@@ -266,7 +266,7 @@ def own_weight(frame: Frame, assembly: PlanarAssembly) -> Array:
     return assembly.mass_times(pull) + nodal_forces(frame, assembly, _counted(frame))
 
 
-def stand_frame(
+def apply_dead_loads(
     frame: Frame,
     coordinates: Array,
     groups: Sequence[ElementGroup],

@@ -8,15 +8,16 @@ that crushes has no restitution: its impulse is that of its law, see `crushing`.
 
 A striker that crushes: a mass behind a force over its crushed length, one-sided, with history.
 
-The approach c of striker and hit point loads along the law F(c) of the scenario, straight between
-its points; from the largest approach c_m on it unloads along one steep line,
+The approach c of striker and impact point loads along the law F(c) of the scenario, straight
+between its points; from the largest approach c_m on it unloads along one steep line,
 
     F = F(c_m) - k_u (c_m - c) >= 0,   k_u = UNLOADING times the largest slope of the law,
 
 on which it is loaded again. A step acts with the mean force over its approach, whose work is exact;
-that makes the impulse P a function of the velocity v1 of the hit point at its end. Near a trial it
-is replaced by a line P = m* (touch - v1): the equation of a rigid contact with a lighter striker,
-so that models solve steps with both alike. Derivation and numbers: docs/theory/soft-impact.md.
+that makes the impulse P a function of the velocity v1 of the impact point at its end. Near a trial
+it is replaced by a line P = m* (touch - v1): the equation of a rigid contact with a lighter
+striker, so that models solve steps with both alike. Derivation and numbers:
+docs/theory/soft-impact.md.
 """
 
 from typing import Any
@@ -95,7 +96,7 @@ def crush_line(law, start, end, dt, mass, speeds):
     """Impulse (N s) of a step between two approaches (m), and the line on which it changes.
 
     Arguments: `dt` of the step (s); `mass` of the striker; `speeds`, its velocity at the start and
-    without P at the end, less that of the hit point at the start (m/s). Result: impulse, m* (kg)
+    without P at the end, less that of the impact point at the start (m/s). Result: impulse, m* (kg)
     and touch (m/s) of the line.
     """
     force, slope = mean_force(law, start, end)
@@ -145,22 +146,22 @@ def may_touch(gap: float, gamma: float, dt: float, slack: float) -> bool:
 
 @njit(cache=True, error_model="numpy")
 def touch_velocity(striker: float, gamma: float, restitution: float) -> float:
-    """Velocity of the hit point at the end of a closed step, for the striker's as it is without P.
+    """Velocity of the impact point at the end of a closed step, from the striker's without P.
 
-    An open step is admissible if the hit point is at least as fast at its end.
+    An open step is admissible if the impact point is at least as fast at its end.
     """
     return striker - rebound(gamma, restitution) * gamma
 
 
 @njit(cache=True, error_model="numpy")
-def accepts(fits: bool, may: bool, closed: bool, refused: bool) -> bool:
+def accepts(fits: bool, can_touch: bool, closed: bool, refused: bool) -> bool:
     """Whether a solved state of contact is taken: it fits, or nothing else is left.
 
-    Arguments: `fits`, P >= 0 or open and not slower than `touch_velocity`; `may`, whether contact
-    was possible; whether it was `closed`; whether the other state was solved and `refused`. A
-    closed contact that pulls must open, whatever the open solution says of velocities.
+    Arguments: `fits`, P >= 0 or open and not slower than `touch_velocity`; `can_touch`, whether
+    contact was possible; whether it was `closed`; whether the other state was solved and `refused`.
+    A closed contact that pulls must open, whatever the open solution says of velocities.
     """
-    return fits or not may or (refused and not closed)
+    return fits or not can_touch or (refused and not closed)
 
 
 @njit(cache=True, error_model="numpy")
@@ -185,21 +186,22 @@ def contact_loss(percussion: float, gamma_start: float, gamma_end: float) -> flo
 def contact_step_of(hit: Any, solve: Any, released: bool = True) -> Any:
     """The step of a model that writes contact into its equations; see `integrator.Model`.
 
-    `step(s, progress, dt, may) -> done, impulse (N s), end velocity of the hit point (m/s), energy
-    lost in contact (J)`; `may`: whether contact is possible. The step is solved closed if bodies do
-    not separate, else open, and the other way if the law refuses that. `released`: a step in which
-    the contact opens is not done; its length up to there, by a straight line through the mean
-    forces of two steps, is written as `progress.release`. Not for forces that ring. Of a striker
-    that crushes the step is solved with lines through its law until the impulse obeys that.
+    `step(s, progress, dt, can_touch) -> done, impulse (N s), end velocity of the impact point
+    (m/s), energy lost in contact (J)`; `can_touch`: whether contact is possible. The step is solved
+    closed if bodies do not separate, else open, and the other way if the law refuses that.
+    `released`: a step in which the contact opens is not done; its length up to there, by a straight
+    line through the mean forces of two steps, is written as `progress.release`. Not for forces that
+    ring. Of a striker that crushes the step is solved with lines through its law until the impulse
+    obeys that.
     """
 
     @uncounted
-    def step(s, progress, dt, may):
+    def step(s, progress, dt, can_touch):
         (place, speed), mass, law = hit(s), progress.mass, progress.crush
         gamma, free = speed - progress.velocity, progress.velocity + dt * progress.gravity
         touch = touch_velocity(free, gamma, progress.restitution)
-        closed, refused, striker = may and gamma <= APART * progress.approach, False, mass
-        tries, crushes = 2 if may else 1, law.points > 0
+        closed, refused, striker = can_touch and gamma <= APART * progress.approach, False, mass
+        tries, crushes = 2 if can_touch else 1, law.points > 0
         start, speeds = progress.place - place, progress.velocity + free - speed
         if crushes:
             law.crushed = max(law.crushed, start)
@@ -227,7 +229,7 @@ def contact_step_of(hit: Any, solve: Any, released: bool = True) -> Any:
                     progress.release = release
                     return False, 0.0, 0.0, 0.0
             fits = impulse >= 0.0 if closed else end >= touch
-            if done and accepts(fits, may, closed, refused):
+            if done and accepts(fits, can_touch, closed, refused):
                 left = 0.0
                 if closed:
                     left = contact_loss(impulse, gamma, end - free + impulse / mass)

@@ -7,16 +7,19 @@ and its impulses, the length of steps, the peak, the timing of records, and what
 step:
 
 1. `march` asks `hit` where the structure is hit and how fast. Bodies that touch and approach
-   collide at an instant if the hit point has a `mass` of its own (`kick`); else within a step.
-2. The length is that of the controller (`pace.judge`), at most to the next impact (`pace.aimed`).
+   collide at an instant if the impact point has a `mass` of its own (`apply_impulse`); else within
+   a step.
+2. The length is that of the controller (`pace.step_factor`), at most to the next impact
+   (`pace.next_step_size`).
 3. `contact_step_of` has the model `solve` the step with contact closed or open, and takes the
    solution that obeys 0 <= P perp gamma_1 + e gamma_0 >= 0. This decides contact within a step; a
    model with a `step` of its own decides there.
-4. A step in which the gap closes (`pace.met`), whose error is too large (`pace.judge`), or in which
-   the hit point passes its peak, is taken again, shorter. Nothing has been committed so far.
+4. A step in which the gap closes (`pace.contact_time`), whose error is too large
+   (`pace.step_factor`), or in which the impact point passes its peak, is taken again, shorter.
+   Nothing has been committed so far.
 5. The committed state is recorded if the new one lies a `spacing` behind the last record. Then the
-   model must `accept` the new one, and is asked whether it is `lost` (collapse), or `calm`: then
-   `coast` writes the rest of the record in closed form.
+   model must `accept` the new one, and is asked whether it is `lost` (collapse), or
+   `is_free_vibration`: then `closed_form_tail` writes the rest of the record in closed form.
 
 How to put a model on it (`models/single_dof/march.py` is the smallest example)::
 
@@ -70,9 +73,9 @@ from workbench.mechanics.impact.pace import (
     SLOWEST,
     SOFT,
     Pace,
-    aimed,
-    judge,
-    met,
+    contact_time,
+    next_step_size,
+    step_factor,
 )
 from workbench.responses.kernels import first_peak, signed_peak
 from workbench.scenarios import Striker
@@ -85,14 +88,14 @@ PROGRESS = np.dtype(  # how far an impact has been followed, all that the integr
         ("crush", CRUSH),  # its law if it crushes
         ("contact_loss", float),  # energy lost in contact, or spent on crushing, so far, J
         ("approach", float),  # first velocity of the striker, m/s
-        ("scale", float),  # velocity that the hit gives the hit point, m/s; errors are shares of it
+        ("scale", float),  # velocity that the hit gives this point, m/s; errors are shares of it
         # now, next step, last step, shortest step up to where a contact opens, s
         *((name, float) for name in ("time", "dt", "before", "least")),
-        *((name, float) for name in ("acceleration", "change")),  # of the hit point, last ones
+        *((name, float) for name in ("acceleration", "change")),  # of the impact point, last ones
         ("highest", float),  # place at the end of a step so far, m
         *((name, float) for name in ("peak", "time_of_peak")),  # largest place of standstill
         ("error", float),  # tolerated now, as a share
-        ("calm", float),  # time before which that of a vibration is not allowed, s
+        ("vibration_start", float),  # time before which that of a vibration is not allowed, s
         *((name, float) for name in ("recorded", "carried")),  # last record (s), impulse since, N s
         ("pushed", float),  # mean contact force of the last step, N
         ("release", float),  # length of the step up to where the contact opens, s; 0: unknown
@@ -111,12 +114,12 @@ DRIVE = len(Pace._fields) + 4  # numbers of a drive that the integrator reads
 
 @uncounted
 def massless(s):
-    """No mass of the hit point alone."""
+    """No mass of the impact point alone."""
     return 0.0
 
 
 @uncounted
-def no_kick(s, dv):
+def no_impulse(s, dv):
     """Nothing: what has no mass of its own does not collide at an instant."""
 
 
@@ -127,7 +130,7 @@ def never(s, progress):
 
 
 @uncounted
-def no_coast(s, pace, progress, records, n):
+def no_closed_form_tail(s, pace, progress, records, n):
     """No closed form."""
     return n
 
@@ -141,7 +144,8 @@ def no_flow(s, dt):
 class StepFunctions(NamedTuple):
     """Functions of a model over its system `s`, compiled, bound when numba compiles an entry.
 
-    `hit(s) -> place, speed`: of the hit point, committed, along the strike from its start (m, m/s).
+    `hit(s) -> place, speed`: of the impact point, committed, along the strike from its start (m,
+    m/s).
     `solve(s, dt, closed, touch, striker) -> done, end speed, residual, evaluations`: trial state of
     a step; a closed contact adds the impulse P = striker (touch - v1) against the structure.
     `settle(s, dt) -> flow`: completes the trial (plastic flow); measure of flow for the controller.
@@ -149,11 +153,12 @@ class StepFunctions(NamedTuple):
     `write(s, records, n)`: the model's own columns of row n, of the committed state; `kinetic` is
     that of the structure, `external_work` that of its loads (both without the striker).
     `lost(s) -> bool`: collapse, asked after each accepted step.
-    Optional: `mass(s)`, own mass (kg) of the hit point (0: none), and `kick(s, dv)`, a change of
-    its velocity: for collisions at an instant. `calm(s, progress) -> bool` and
-    `coast(s, pace, progress, records, n) -> rows`: the rest of the record after row n in closed
-    form. `step(s, progress, dt, may) -> done, impulse, end speed, loss`: instead of `solve`, for
-    contacts of their own.
+    Optional: `mass(s)`, own mass (kg) of the impact point (0: none), and `apply_impulse(s, dv)`, a
+    change of its velocity: for collisions at an instant. `is_free_vibration(s, progress) -> bool`
+    and
+    `closed_form_tail(s, pace, progress, records, n) -> rows`: the rest of the record after row n in
+    closed form. `step(s, progress, dt, can_touch) -> done, impulse, end speed, loss`: instead of
+    `solve`, for contacts of their own.
     """
 
     hit: Any
@@ -163,9 +168,9 @@ class StepFunctions(NamedTuple):
     write: Any
     lost: Any
     mass: Any = massless
-    kick: Any = no_kick
-    calm: Any = never
-    coast: Any = no_coast
+    apply_impulse: Any = no_impulse
+    is_free_vibration: Any = never
+    closed_form_tail: Any = no_closed_form_tail
     step: Any = None
 
 
@@ -181,7 +186,11 @@ def begin(drive, progress):
         *(drive[0], drive[1], drive[2], drive[3], drive[4], drive[5], drive[6]), int(drive[7])
     )
     if not progress.begun:
-        progress.mass, progress.restitution, progress.calm = drive[8], drive[10], drive[11]
+        progress.mass, progress.restitution, progress.vibration_start = (
+            drive[8],
+            drive[10],
+            drive[11],
+        )
         progress.velocity = progress.approach = drive[9]
         progress.scale, progress.error, progress.dt = abs(drive[9]), pace.error, pace.first
         progress.scale *= SLOWEST if progress.crush.points > 0 else 1.0  # the rest shows on the way
@@ -196,7 +205,19 @@ def march_of(model: StepFunctions, longer: float = LONGER, cut: float = CUT) -> 
     repeated step keeps. The status is GOING when the records (three rows at least) are full: read
     them and call again. The very first row is the start.
     """
-    hit, solve, settle, accept, write, lost, mass_of, kick, calm, coast, step = model
+    (
+        hit,
+        solve,
+        settle,
+        accept,
+        write,
+        lost,
+        mass_of,
+        apply_impulse,
+        is_free_vibration,
+        closed_form_tail,
+        step,
+    ) = model
     step = step or contact_step_of(hit, solve)
 
     @called
@@ -219,12 +240,14 @@ def march_of(model: StepFunctions, longer: float = LONGER, cut: float = CUT) -> 
         if dt <= least:
             return dt
         allowed = slack if instant else pace.error * progress.scale * dt
-        when = met(gap, gamma, end - progress.velocity - dt * progress.gravity, dt, allowed)
+        when = contact_time(
+            gap, gamma, end - progress.velocity - dt * progress.gravity, dt, allowed
+        )
         return max(when, least) if when < dt else dt
 
     @uncounted
     def to_peak(progress, dt, place, speed, end):
-        """Share of a step at which the hit point comes to rest, farther than ever; else 1."""
+        """Share of a step at which the impact point comes to rest, farther than ever; else 1."""
         passes = min(speed, -end) > AT_REST * progress.scale
         if passes and place + 0.5 * dt * (speed + end) > progress.peak:
             return max(speed / (speed - end), CUT)
@@ -262,7 +285,7 @@ def march_of(model: StepFunctions, longer: float = LONGER, cut: float = CUT) -> 
                 e = progress.restitution
                 e = e if -gamma * e > SOFT * progress.approach else 0.0
                 impulse = explicit_percussion(gamma, gamma, e, struck_mass, mass)
-                kick(s, impulse / struck_mass)
+                apply_impulse(s, impulse / struck_mass)
                 progress.velocity -= impulse / mass
                 after = gamma + impulse / struck_mass + impulse / mass
                 progress.contact_loss += contact_loss(impulse, gamma, after)
@@ -273,11 +296,13 @@ def march_of(model: StepFunctions, longer: float = LONGER, cut: float = CUT) -> 
                 progress.scale = given if progress.time == 0.0 else max(given, progress.scale)
                 continue
             instant = struck_mass > 0.0 and controlled
-            dt = aimed(pace, progress.time, progress.dt, 0.0 if instant else CLOSER * gap, gamma)
+            dt = next_step_size(
+                pace, progress.time, progress.dt, 0.0 if instant else CLOSER * gap, gamma
+            )
             if instant and gap > slack and gamma < 0.0:
                 dt = min(dt, -gap / gamma)
-            may = gap <= slack if instant else may_touch(gap, gamma, dt, slack)
-            done, impulse, end, left = step(s, progress, dt, may)
+            can_touch = gap <= slack if instant else may_touch(gap, gamma, dt, slack)
+            done, impulse, end, left = step(s, progress, dt, can_touch)
             if not done:
                 progress.cuts += 1
                 released, progress.release = progress.release, 0.0
@@ -301,7 +326,7 @@ def march_of(model: StepFunctions, longer: float = LONGER, cut: float = CUT) -> 
                 progress.error = pace.error
             else:
                 free = place1 < progress.highest and end > 0.0 and impulse == 0.0
-                factor = judge(progress, pace, longer, cut, dt, change, free, flow)
+                factor = step_factor(progress, pace, longer, cut, dt, change, free, flow)
                 share = to_peak(progress, dt, place, speed, end) if controlled else 1.0
                 if share < 1.0 and dt > pace.first:
                     factor = -min(share, abs(factor))
@@ -336,9 +361,9 @@ def march_of(model: StepFunctions, longer: float = LONGER, cut: float = CUT) -> 
                 record(s, pace, progress, records, n)
                 return COLLAPSE, n + 1
             going = progress.time < end_time  # what has ended coasts nowhere
-            if impulse == 0.0 and controlled and going and calm(s, progress):
+            if impulse == 0.0 and controlled and going and is_free_vibration(s, progress):
                 record(s, pace, progress, records, n)
-                return DONE, coast(s, pace, progress, records, n) + 1
+                return DONE, closed_form_tail(s, pace, progress, records, n) + 1
         record(s, pace, progress, records, n)
         return DONE, n + 1
 
@@ -361,7 +386,7 @@ class FollowedImpact(NamedTuple):
         return histories_of(self.records)
 
     def peak(self, bounces: bool = False) -> dict[str, float]:
-        """Largest displacement at which the hit point stood still, and when; empty without one.
+        """Largest displacement at which the impact point stood still, and when; empty without one.
 
         Negative where it swings back farther.
         With `bounces` the column may come as far again: then the time is that of the first peak.

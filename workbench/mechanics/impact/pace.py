@@ -1,6 +1,6 @@
 """How an impact is stepped through: as long as the error allows, or steps of one length.
 
-The midpoint rule errs by dt^3 / 12 times the rate of the acceleration of the hit point in its
+The midpoint rule errs by dt^3 / 12 times the rate of the acceleration of the impact point in its
 displacement. A step ends at an impact, and a very short first step follows. Once the structure
 has swung back below its largest displacement only the phase of a vibration is at stake, and longer
 steps are taken; `late_peak` says whether that was too early. All constants of the integrator stand
@@ -23,7 +23,7 @@ CLOSER = 0.999  # of the gap, which a step may close before the short step of an
 APART = 1e-9  # of the striker's first velocity; bodies that approach slower do not collide
 SOFT = 1e-3  # of the striker's first velocity; what would rebound slower stays in contact
 RELEASED = 0.95  # of a step in which a contact opens; one that opens later opens at its end
-SLOWEST = 1e-3  # of the striker's first velocity: the hit point's by which steps err, at least
+SLOWEST = 1e-3  # of the striker's first velocity: the impact point's by which steps err, at least
 AT_REST = 1e-4  # of the velocity that the hit gives; a step that ends slower has met the peak
 SHORTEST = 1e-6  # of the first step: the shortest step up to a collision at an instant
 # Control of the length: a repeated step costs as much as a good one, so a miss of 30 % is kept.
@@ -39,7 +39,7 @@ class Pace(NamedTuple):
     """How an impact is stepped through; times in s.
 
     `duration` of the record; `first` step, after every impact too; `longest` step; `error` of the
-    displacement of a step over the way that the hit point goes in it at the velocity of the hit
+    displacement of a step over the way that the impact point goes in it at the velocity of the hit
     (infinite: equal steps, each the `longest`), and that once the structure only vibrates; `flow`,
     how much hinges may flow in a step, in the measure of the model; shortest time between two
     records, `spacing`; steps at `most`.
@@ -68,23 +68,28 @@ class Pace(NamedTuple):
 
 
 def late_peak(
-    pace: Pace, calm: float, time: Array, displacement: Array, velocity: Array, percussion: Array
+    pace: Pace,
+    vibration_start: float,
+    time: Array,
+    displacement: Array,
+    velocity: Array,
+    percussion: Array,
 ) -> float:
     """Time (s) of a peak that came, or nearly came again, in the long steps of a vibration; else 0.
 
-    Of the hit point, of all records (n,) of an impact that went at this pace, with long steps not
-    before the time `calm`, in SI units.
+    Of the impact point, of all records (n,) of an impact that went at this pace, with long steps
+    not before the time `vibration_start`, in SI units.
     """
     top = int(np.flatnonzero(displacement >= NEARLY * displacement.max())[-1])
     if not pace.error < inf:
         return 0.0
     below = displacement[1 : top + 1] < np.maximum.accumulate(displacement[:top])
     rising = (velocity[1 : top + 1] > 0.0) & (percussion[1 : top + 1] == 0.0)
-    return float(time[top]) if (below & rising & (time[:top] >= calm)).any() else 0.0
+    return float(time[top]) if (below & rising & (time[:top] >= vibration_start)).any() else 0.0
 
 
 @njit(cache=True, error_model="numpy")
-def aimed(pace, time, dt, gap, gamma):
+def next_step_size(pace, time, dt, gap, gamma):
     """`dt` (s), at most to the end of the record, the next of equal steps or the next impact."""
     if not pace.error < np.inf:
         ahead = (np.floor(time / pace.longest + 1e-6) + 1.0) * pace.longest - time
@@ -96,7 +101,7 @@ def aimed(pace, time, dt, gap, gamma):
 
 
 @njit(cache=True, error_model="numpy")
-def met(gap, start, end, dt, allowed):
+def contact_time(gap, start, end, dt, allowed):
     """Time (s) after which the gap (m) closes in an open step of `dt`.
 
     Arguments: velocities of the gap at both ends of the step, `start` and `end` (m/s). Infinite
@@ -123,7 +128,7 @@ def growth(pace, error, rate, dt, flow):
 
 
 @njit(cache=True, error_model="numpy")
-def judge(progress, pace, longer, cut, dt, change, free, flow):
+def step_factor(progress, pace, longer, cut, dt, change, free, flow):
     """The error controller: factor of the next step over one of `dt` (s); below 0: repeat this one.
 
     Arguments: `progress`, of `integrator.PROGRESS`; how much `longer` a step may be; least share of
@@ -133,7 +138,7 @@ def judge(progress, pace, longer, cut, dt, change, free, flow):
     """
     if not (progress.smooth and pace.error < np.inf):
         return longer
-    if free and progress.time >= progress.calm:
+    if free and progress.time >= progress.vibration_start:
         progress.error = pace.vibration
     trend = abs(change)
     if change * progress.change < 0.0:  # a velocity that rings from step to step keeps ringing

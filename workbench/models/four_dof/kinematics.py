@@ -1,8 +1,8 @@
 """Kinematics of the four-DOF column: two rigid bars, exact for any rotation (Heng 2017, 5.1).
 
-Degrees of freedom (eq. 5.1) q = (v1, u1, beta1, u2): lateral and axial displacement of the hit
+Degrees of freedom (eq. 5.1) q = (v1, u1, beta1, u2): lateral and axial displacement of the impact
 point, rotation of the rigid surface between its two hinges, axial displacement of the head. Both
-bars are the same element with a hinge at its end and one at the hit point, mirrored:
+bars are the same element with a hinge at its end and one at the impact point, mirrored:
 
     bar below, hinges 1 and 2:   v = v1,  x = L_a + u1,       b = beta1
     bar above, hinges 4 and 3:   v = v1,  x = L_b + u2 - u1,  b = -beta1

@@ -230,7 +230,7 @@ newton = newton_of(Equations(vectors, evaluate, allowed, aim, bend, finish))
 
 
 def lie(still: Any, q: Array, weight: float, bars: Any, states: Any) -> bool:
-    """Lay a column down under a `weight` (N) at its hit point; what springs at the head bear stays.
+    """Lay a column down under a `weight` (N) at its impact point; head springs keep their force.
 
     Arguments: tables of one column that knows no rate, `still`, with its state `q` (1, 4), and of
     its `bars`; their `states`. Writes weight and state of rest; whether there is one.
@@ -384,12 +384,16 @@ def mass_of(s):
 
 
 @inner
-def kick(s, dv):
-    """Change the velocity of the hit point."""
+def apply_impulse(s, dv):
+    """Change the velocity of the impact point."""
     s.states[0].w[V] += dv
 
 
-_march = march_of(StepFunctions(hit, solve, settle, accept, write, lost, mass=mass_of, kick=kick))
+_march = march_of(
+    StepFunctions(
+        hit, solve, settle, accept, write, lost, mass=mass_of, apply_impulse=apply_impulse
+    )
+)
 
 
 @called

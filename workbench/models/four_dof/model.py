@@ -1,10 +1,10 @@
 """The impacted column as two rigid bars and four generalized hinges, with four unknowns.
 
-Heng 2017, section 5.1: hinges at the base (1), on both sides of the hit point (2, 3) and at the
-head (4). Their rotational stiffnesses make the bars the elastic column under a force at the hit
-point (`elastic_springs`; the thesis: 6 EI / l of a bar of length l, 3 EI / l at the hit point if
+Heng 2017, section 5.1: hinges at the base (1), on both sides of the impact point (2, 3) and at the
+head (4). Their rotational stiffnesses make the bars the elastic column under a force at the impact
+point (`elastic_springs`; the thesis: 6 EI / l of a bar of length l, 3 EI / l at the impact point if
 the bar's other end is pinned); the hinges of a bar share its axial stiffness EA / l. The impact
-mass m1 (a third of the column) sits at the hit point, the head mass at the head. Derivation:
+mass m1 (a third of the column) sits at the impact point, the head mass at the head. Derivation:
 `kinematics`, `statics`, `equations`, `march`, in this order.
 
 The two models of two rigid bars: hinges that see N and M, and panels that see V as well.
@@ -68,8 +68,8 @@ class RigidBars(Answering):
     """Columns of two rigid bars and four hinges; models say how hinges yield.
 
     Shared options: `rotational_stiffness`: factor c of c EI / l of a hinge (the thesis: 6; None:
-    springs that make the bars the elastic column under a force at the hit point); `time_step` in s
-    (None: controlled by the error, some 0.1 % of the peak, until the balance closes to 1e-6);
+    springs that make the bars the elastic column under a force at the impact point); `time_step` in
+    s (None: controlled by the error, some 0.1 % of the peak, until the balance closes to 1e-6);
     `hit_mass`: a third of the column (thesis), or what of it shares the velocity of the striker at
     once (waves); `rate_level`, of a steel with a rate law: a factor on the yield stress, or bars
     that flow and harden point by point (without rate and hardening the model is the same).
@@ -86,9 +86,9 @@ class RigidBars(Answering):
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars; all flexibility and plasticity in four generalized hinges.",
         "Springs that give the deflection and the moments of the elastic column under a force at "
-        "the hit point, shear and axial load included; those of the thesis, 6EI/l (option "
+        "the impact point, shear and axial load included; those of the thesis, 6EI/l (option "
         "rotational_stiffness), leave shear out and are too stiff for an eccentric hit.",
-        "At most one third of the column's mass acts at the hit point; waves are left out.",
+        "At most one third of the column's mass acts at the impact point; waves are left out.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
     # without and with restitution: error, that of the vibration, flow
@@ -292,7 +292,9 @@ def collapsed(bars: Any, state: Any) -> CollapseError:
     turned, reached = abs(reached) / np.minimum(lengths, left), reached - float(bars["sag"])
     if turned.max() > COLLAPSE_SIDEWAYS:
         bar = SEGMENTS[int(turned.argmax())]
-        reason = f"the segment {bar} the hit point has turned, nine tenths of its length sideways"
+        reason = (
+            f"the segment {bar} the impact point has turned, nine tenths of its length sideways"
+        )
         return CollapseError(Collapse(Mechanism.GEOMETRY, (bar,), reached, time), reason)
     loss = 1.0 - left.sum() / lengths.sum()
     reason = f"the bars have been squashed by {100.0 * loss:.3g} % of their length"

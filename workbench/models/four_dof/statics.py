@@ -32,7 +32,7 @@ COLUMN = np.dtype(
         ("web", WEB),  # of bars that slide
         ("sliding", bool),  # whether bars do
         ("load", float),  # at the head, compression positive, N
-        ("weight", float),  # at the hit point, along the strike, N
+        ("weight", float),  # at the impact point, along the strike, N
         ("sag", float),  # displacement there before the hit, m
         ("spring", float),  # axial restraint at the head, N/m
         ("unstressed", float),  # displacement of the head without force in the spring, m
@@ -61,7 +61,7 @@ WORK = np.dtype(  # room for the numbers of one evaluation
             float,
         ),  # residual over the squash load that one more Newton step removes; 0: none
         ("strike_mass", float),  # of all that moves along the strike, kg
-        ("collision_mass", float),  # mass of the hit point that collides at an instant, kg
+        ("collision_mass", float),  # mass of the impact point that collides at an instant, kg
         ("nested", int),  # whether the rotation is balanced inside every evaluation
         ("dt", float),  # of the step that is solved, s
         ("rate", float, 4),  # mean velocities of the last step

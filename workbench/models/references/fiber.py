@@ -27,7 +27,12 @@ from workbench.mechanics.frames.members import (
     fiber_overrides,
     named,
 )
-from workbench.mechanics.frames.structure import POINTS, FrameStructure, MemberReader, stand_frame
+from workbench.mechanics.frames.structure import (
+    POINTS,
+    FrameStructure,
+    MemberReader,
+    apply_dead_loads,
+)
 from workbench.mechanics.structures.assembly import PlanarAssembly, graded_lengths, halved
 from workbench.mechanics.structures.elements import JointSprings
 from workbench.mechanics.structures.fibers import FiberElements
@@ -412,7 +417,7 @@ class FiberReference(FrameModel):
         return respond(self, scenario, lambda given: refined(self, given, self.solve))
 
     def lengths(self, scenario: ColumnScenario | FrameScenario) -> list[Array]:
-        """Element lengths (m) of every member; of a column below and above the hit point."""
+        """Element lengths (m) of every member; of a column below and above the impact point."""
         event = as_frame(scenario)
         sizes = self.smallest_element, self.largest_element, self.refinement
         return member_lengths(event, self.mesh_rule(event), *sizes)
@@ -438,7 +443,7 @@ class FiberReference(FrameModel):
         springs = joint_springs(frame, mesh)
         members = FiberMembers(frame, mesh, beams, springs, self.sampled, self.shear_yields)
         groups = [beams] if springs is None else [beams, springs]
-        return stand_frame(frame, mesh.coordinates, groups, members, ties=mesh.ties)
+        return apply_dead_loads(frame, mesh.coordinates, groups, members, ties=mesh.ties)
 
     def placed(self, mesh: FrameMesh) -> FrameMesh:
         """The mesh with its nodes where they are before any load."""

@@ -1,4 +1,4 @@
-"""Resistance of the column at its hit point: analytic, two simplifications, panels, given."""
+"""Resistance of the column at its impact point: analytic, two simplifications, panels, given."""
 
 from workbench.models.resistance.columns import PANEL as PANEL
 from workbench.models.resistance.columns import OnCurve as OnCurve

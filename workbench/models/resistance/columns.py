@@ -1,4 +1,4 @@
-"""The resistance of a column at its hit point by the name of its shape, its end and its findings.
+"""Resistance of a column at its impact point by the name of its shape, its end, its findings.
 
 A panel shorter than about 2 M_f / V_pl slides before it bends: the plateau of the resistance is
 V_pl of it and what the bar on the other side carries, R_0 = V_pl + V_b with
@@ -96,7 +96,7 @@ class OnCurve(Answering):
         Resistance(SHAPES),
         "analytic",
         help="panel: webs yield in shear, the static curve of four-dof-shear; a file: columns "
-        "displacement_m and force_N of any other curve at the hit point",
+        "displacement_m and force_N of any other curve at the impact point",
     )
     rotational_stiffness: float | None = checked(
         Number(0.1, 1e6),
@@ -222,7 +222,7 @@ def transition_length(surface: ShearSurface) -> float:
 
 
 def plateau(surface: ShearSurface, lengths: tuple[float, float]) -> float:
-    """Limit load (N) at the hit point of two clamped panels of these lengths (m), without N.
+    """Limit load (N) at the impact point of two clamped panels of these lengths (m), without N.
 
     Both bend, V L = 2 M_c(V), or the shorter one slides and its flanges alone bend the other.
     """
@@ -280,7 +280,7 @@ def column_curve(
     uniform: bool = False,
     given: tuple[str, float] = NOTHING,
 ) -> ResistanceCurve:
-    """Resistance of a column at its hit point, by the name of its shape; kept for the next strike.
+    """Resistance of a column at its impact point, by the name of its shape; kept for later hits.
 
     To a force there, or to half of a `uniform` load, which does the same work on rigid bars. Of a
     curve that is `given` the digest of its points, so that it is not kept for others, and its

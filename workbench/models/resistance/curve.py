@@ -27,7 +27,7 @@ class PlasticMechanism(NamedTuple):
     """Two rigid bars with hinge groups that yield in bending and axial force.
 
     Arguments: `groups`, names out of base, hit, head (a pinned end has no group; the two hinges
-    at the hit point, which carry the same moment, are one group); per group `rotation_rates`
+    at the impact point, which carry the same moment, are one group); per group `rotation_rates`
     s = d(rotation)/dv (1/m), `flexibilities` phi (rad/(N m)); `lengths` of the two bars (m);
     `plastic_moment` (N m), `squash_load` (N); `axial_force` before the push (N, tension
     positive); `axial_flexibility` of bars and restraint (m/N), infinite if free to shorten;
@@ -84,7 +84,7 @@ def mechanism_of(
 
     Arguments: `column`; `rotational_stiffness`, the factor c of the hinge stiffness c EI / l of
     a bar of length l (Heng 2017: 6; None: springs that make the bars the elastic column under a
-    force at the hit point, or a `uniform` load); `interaction`, yield surface of straight lines
+    force at the impact point, or a `uniform` load); `interaction`, yield surface of straight lines
     with the area of the exact envelope (section) or from M_p to N_p (linear, Heng 2017). A head
     that is fixed has no restraint flexibility; the restraint of any other head is its spring, and
     without one the head is free to shorten.
@@ -154,7 +154,7 @@ _NAMES = (
     "catenary",
     "corner of the yield surface",
 )
-_YIELDS = {"base": "base yields", "hit": "hit point yields", "head": "head yields"}
+_YIELDS = {"base": "base yields", "hit": "impact point yields", "head": "head yields"}
 
 
 def _first(values: Array) -> Array:
@@ -180,7 +180,7 @@ class Event(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ResistanceCurve:
-    """Monotonic resistance of the column at its hit point.
+    """Monotonic resistance of the column at its impact point.
 
     Arguments: `shape`, its name; `mechanism` it belongs to; `pieces`; `elastic_limit`,
     displacement of the first yielding (m). The cubic shape does not know the axial force, and

@@ -1,6 +1,6 @@
 """The three shapes of the resistance curve of a column.
 
-Equilibrium at the hit point, with small rotations of two rigid bars (kappa = 1/L_a + 1/L_b):
+Equilibrium at the impact point, with small rotations of two rigid bars (kappa = 1/L_a + 1/L_b):
 F = sum(s_g M_g) + kappa N v over the hinge groups g, elastic with M_g = K_g v. The yield surface
 is straight from (N_p, 0) to a corner (N_c, M_p) and flat below: M = min(M_p, r (N_p - |N|)) with
 r = M_p / (N_p - N_c); N_c = 0 is the linear surface of the thesis. Compatibility of
@@ -505,7 +505,7 @@ class DeflectedBeam(NamedTuple):
 
 
 def beam_of(column: Column, uniform: bool = False) -> DeflectedBeam:
-    """The column as a beam under a force at its hit point, or under a `uniform` line load."""
+    """The column as a beam under a force at its impact point, or under a `uniform` line load."""
     return DeflectedBeam(
         (0.0, column.length_below, column.length),
         (column.base == "clamped", column.head != "pinned"),
@@ -530,7 +530,7 @@ def plastic_moment(column: Column, axial: str) -> float:
 
 @lru_cache(maxsize=256)
 def stages_of(column: Column, axial: str = SECTION, uniform: bool = False) -> tuple[Stage, ...]:
-    """Stages of a column under a force at its hit point, or under a `uniform` line load.
+    """Stages of a column under a force at its impact point, or under a `uniform` line load.
 
     `axial`, see `plastic_moment`.
     """

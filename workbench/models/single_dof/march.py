@@ -285,7 +285,7 @@ def mass_of(s):
 
 
 @uncounted
-def kick(s, dv):
+def apply_impulse(s, dv):
     """Change the velocity."""
     s.states[0].w += dv
 
@@ -297,7 +297,7 @@ def slope_of(now, pieces):
 
 
 @uncounted
-def calm(s, progress):
+def is_free_vibration(s, progress):
     """Whether a free column swings on a straight line for good, out of reach of its striker.
 
     And no farther than to the peak that it has had; nothing weighs.
@@ -317,7 +317,7 @@ def calm(s, progress):
 
 
 @uncounted
-def coast(s, pace, progress, records, n):
+def closed_form_tail(s, pace, progress, records, n):
     """Records after the n-th of a column that swings on a straight line; which is the last one."""
     now = s.states[0]
     k = slope_of(now, s.pieces)
@@ -342,7 +342,11 @@ def coast(s, pace, progress, records, n):
 
 _march = march_of(
     StepFunctions(
-        *(hit, solve, no_flow, accept, write, lost), mass=mass_of, kick=kick, calm=calm, coast=coast
+        *(hit, solve, no_flow, accept, write, lost),
+        mass=mass_of,
+        apply_impulse=apply_impulse,
+        is_free_vibration=is_free_vibration,
+        closed_form_tail=closed_form_tail,
     )
 )
 

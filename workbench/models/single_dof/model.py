@@ -86,7 +86,7 @@ class Pushed(NamedTuple):
 
     `stages`: displacement (m) from which on a mass (kg) moves, the first from 0 on, and the
     velocity that it begins with over that before; whether force and resistance are those `at_hit`,
-    at the hit point, so that energies are those of the member; `damping` of the mass in N s/m.
+    at the impact point, so that energies are those of the member; `damping` of the mass in N s/m.
     """
 
     curve: ResistanceCurve
@@ -171,7 +171,7 @@ def push(
 ) -> tuple[Array, dict[str, Any]]:
     """Follow a column at rest under a pulse for `duration` (s): time (s) and values of a response.
 
-    Argument: its `weight` at the hit point (N), under which it lies. Raises `SolverError`, and
+    Argument: its `weight` at the impact point (N), under which it lies. Raises `SolverError`, and
     `CollapseError` where the column collapses.
     """
     curve = pushed.curve
@@ -254,14 +254,14 @@ class SingleDof(OnCurve):
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars with elastic-perfectly plastic hinges; linear N-M yield surface, small "
         "rotations, one axial force for both bars, no axial inertia.",
-        "Springs of the four-DOF column: the elastic column under a force at the hit point.",
+        "Springs of the four-DOF column: the elastic column under a force at the impact point.",
         "The cubic resistance is a reconstruction: the thesis prints no formula, and several "
         "dozen definitions give its published peaks within 0.4 %.",
         "The linear resistance is a choice: the thesis prints neither formula nor number.",
         "Unloading is elastic with the initial stiffness; reverse yielding at the force last "
         "reached is a convention; farther back than it has been forth it meets the same curve.",
-        "At most one third of the column's mass acts at the hit point, under a pulse that of the "
-        "deflected shape; a head mass is left out.",
+        "At most one third of the column's mass acts at the impact point, under a pulse that of "
+        "the deflected shape; a head mass is left out.",
         "No shear yielding but with resistance = panel, the static curve of "
         "`four-dof-shear`; no local buckling; strain rate by one factor on the yield stress.",
         "A curve that is given (NAME.csv) stands for the whole member, mass and unloading are as "
@@ -271,7 +271,7 @@ class SingleDof(OnCurve):
     crushing: ClassVar[bool] = True
 
     def curve(self, column: Column, uniform: bool = False) -> ResistanceCurve:
-        """Resistance of the column at its hit point, to half of a `uniform` load if that acts.
+        """Resistance of the column at its impact point, to half of a `uniform` load if that acts.
 
         Raises `OutOfDomainError`.
         """
@@ -289,7 +289,7 @@ class SingleDof(OnCurve):
         return with_hit_mass(scenario, self.hit_mass)
 
     def pushed(self, scenario: MemberPulse) -> Pushed:
-        """System that a pulse moves; a line load does half the work of its whole at the hit point.
+        """System that a pulse moves; a line load does half of its work at the impact point.
 
         The mass is that of the elastic shape, then that of the mechanism.
         """
@@ -411,7 +411,7 @@ class SingleDof(OnCurve):
         hinges: tuple[str, ...] = ()
         if curve.knows_moments:
             hinges = curve.mechanism.groups
-            # the sign convention of the four-DOF column: the hinge at the hit point turns back
+            # the sign convention of the four-DOF column: the hinge at the impact point turns back
             sign = np.array([[-1.0 if name == "hit" else 1.0] for name in hinges])
             axial = curve.axial_force(path)
             values["axial_force"] = np.broadcast_to(axial, (len(hinges), len(path)))

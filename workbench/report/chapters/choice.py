@@ -38,7 +38,7 @@ def trusted(study: Study, stored: Assessment, groups: Iterable[str]) -> Iterator
     alike: dict[tuple[str, str], dict[str, Row | None]] = {}
     for group in groups:
         sure = _sure(study, stored, group)
-        text = _unjudged(study, stored, group) or (sure[0]["label"] if sure else "")
+        text = _explain_no_ranking(study, stored, group) or (sure[0]["label"] if sure else "")
         row = next(iter(sure or _ranked(study, stored, group).values()), None)
         quantity = judged(row or stored.records("matrix", group=group)[0])
         alike.setdefault((text, quantity), {})[group] = row
@@ -60,7 +60,7 @@ def _error(row: Row) -> float:
     return abs(row[f"{PEAK}_worst"]) if within is None else within
 
 
-def _unjudged(study: Study, stored: Assessment, group: str) -> str:
+def _explain_no_ranking(study: Study, stored: Assessment, group: str) -> str:
     """Explanation why the cases of a group judge no model, or rank them all; may be empty."""
     rows = stored.records("matrix", group=group)
     compared = [row for row in rows if row[f"{PEAK}_count"]]

@@ -1,7 +1,7 @@
 """Deformed shapes of a response over its record: its snapshots, or chords of a column.
 
 A response without snapshots that knows displacement and shortening gives straight lines between
-base, hit point and head of a column: that is all it says about its shape. Points are complex
+base, impact point and head of a column: that is all it says about its shape. Points are complex
 numbers, x + iy in m.
 """
 
@@ -205,6 +205,6 @@ def shapes_of(scenario: Scenario, response: Response) -> Shapes | None:
 
 
 def _chords(column: Column, sideways: Array, down: Array) -> Points:
-    # the hit point moves on a circle around the base: the lower segment keeps its length
+    # the impact point moves on a circle around the base: the lower segment keeps its length
     hit = sideways + 1j * np.sqrt(np.maximum(column.length_below**2 - sideways**2, 0.0))
     return np.array([[np.zeros_like(hit), hit], [hit, 1j * (column.length - down)]])

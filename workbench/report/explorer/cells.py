@@ -67,7 +67,7 @@ class Plane(NamedTuple):
 
 
 HISTORIES = Plane(
-    "Displacement of the hit point",
+    "Displacement of the impact point",
     ("time", "ms", 1e3),
     ("displacement", "mm", 1e3),
     {

@@ -157,7 +157,7 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     else:
         attached = scenario.column.attached_mass
     if attached > 0.0:
-        reason = "errors were measured without a mass attached at the hit point"
+        reason = "errors were measured without a mass attached at the impact point"
         return TruthRatio(np.empty(0), reason=reason)
     table, steel = _table(scenario), steel_of(scenario)
     if steel is not None and steel.hardening_modulus is not None:
@@ -173,8 +173,8 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     reason = table.unknown(values) or (rated.unknown(values) if rated else "")
     if reason:
         return TruthRatio(np.empty(0), reason=reason)
-    ratios = widened(table.truths(values), table.doubts(values))
-    ratios = widened(ratios, rated.truths(values)) if rated else ratios
+    ratios = widened(table.log_ratios(values), table.doubts(values))
+    ratios = widened(ratios, rated.log_ratios(values)) if rated else ratios
     return TruthRatio(ratios, table.cell(values), features=values)
 
 
@@ -314,7 +314,7 @@ def advise(model: Model, scenario: Any, response: Response | None = None) -> lis
     of that, and of its error.
     """
     if response is None:
-        findings = _beforehand(model, scenario)
+        findings = _domain_findings(model, scenario)
         if model.name == ANCHOR and table_of(scenario) is not None:
             findings = judged(model, scenario, anchor_error(scenario), findings)
         return with_remedies(model, scenario, findings)
@@ -452,7 +452,7 @@ def doubts(name: str, scenario: Any) -> tuple[str, ...]:
     if scenario.KIND not in model.answers:
         return (f"it does not answer {scenario.KIND}",)
     try:
-        findings = _beforehand(model, scenario)
+        findings = _domain_findings(model, scenario)
         if name == ANCHOR and table_of(scenario) is not None:
             error = anchor_error(scenario)
             if error.chance is None:
@@ -463,7 +463,7 @@ def doubts(name: str, scenario: Any) -> tuple[str, ...]:
     return tuple(each.text for each in findings if each.outside or each.refusal)
 
 
-def _beforehand(model: Model, scenario: Any) -> list[Finding]:
+def _domain_findings(model: Model, scenario: Any) -> list[Finding]:
     """Findings known before a model answers, and whether the reference would shear too far.
 
     A striker that crushes takes the energy that would do it. Of a push also whether the anchor

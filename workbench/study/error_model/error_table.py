@@ -245,17 +245,17 @@ class ErrorTable:
         """ln(truth / anchor) of all rows (n,), NaN where one has no peak."""
         return self._against(self.anchor) * -1.0
 
-    def truths(self, values: Mapping[str, float]) -> Array:
+    def log_ratios(self, values: Mapping[str, float]) -> Array:
         """Sorted ln(truth / anchor) of a scenario with such features: what is near, and rests."""
         near = self._local.at(self.scaled(values)) if self.centred else 0.0
         return self.rests(values) + near
 
     def rests(self, values: Mapping[str, float]) -> Array:
         """Sorted ln(truth / anchor) in the cell of a scenario, less what the others expect."""
-        rests: Array = _alike(self._rests, self.rows, values, self.cells) * self._beyond(values)
+        rests: Array = _alike(self._rests, self.rows, values, self.cells) * self._scale(values)
         return rests
 
-    def _beyond(self, values: Any) -> Any:
+    def _scale(self, values: Any) -> Any:
         """Scale of errors, by features or of all rows; no less than was drawn."""
         if not self.factor:
             return 1.0
@@ -264,7 +264,7 @@ class ErrorTable:
 
     @cached_property
     def _rests(self) -> Array:
-        rests: Array = self.ratios / self._beyond(self.rows)
+        rests: Array = self.ratios / self._scale(self.rows)
         if self.centred:
             rests[np.isfinite(rests)] = self._local.rests
         return rests
@@ -279,9 +279,9 @@ class ErrorTable:
         if "anchor_residual" not in self.rows:
             return np.empty(0)
         change = self.rows["reference_residual"] - self.rows["anchor_residual"]
-        parts = (change / self.rows[self.anchor] / self._beyond(self.rows)).to_numpy(float)
+        parts = (change / self.rows[self.anchor] / self._scale(self.rows)).to_numpy(float)
         known = _alike(parts + 0.0 * self.ratios, self.rows, values, self.cells)
-        return known * self._beyond(values) if len(known) >= LEAST else known[:0]
+        return known * self._scale(values) if len(known) >= LEAST else known[:0]
 
     def doubts(self, values: Mapping[str, float]) -> Array:
         """Sorted ln(finest / reference) of such columns, empty where they are few."""

@@ -186,10 +186,10 @@ def gear_gupta_leimkuhler(reach: float = 1.0, split: bool = False, late: bool = 
                 q = q + change
                 break
             # a contact may meet that the forecast has not seen
-            met = (gaps < -_OVERLAP) & ~closed & late
-            if np.abs(change).max() <= _OVERLAP and not met.any():
+            contact_time = (gaps < -_OVERLAP) & ~closed & late
+            if np.abs(change).max() <= _OVERLAP and not contact_time.any():
                 break
-            closed |= met
+            closed |= contact_time
         system.commit(q)
         return SystemStep(SystemState(q, v, state.a, P / h, t), P, evaluations, residual, np.nan)
 

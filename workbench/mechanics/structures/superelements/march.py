@@ -247,12 +247,12 @@ def follow_impact(
     *,
     sign: float = 1.0,
     tolerance: float = 1e-9,
-    calm: float = 0.0,
+    vibration_start: float = 0.0,
 ) -> Iterator[Records]:
     """Follow an impact as `structures.impact.impact` does with its midpoint scheme.
 
     Arguments as there, but the `pace` of the steps, `limits` beyond which the structure has
-    collapsed, and the time `calm` (s) before which no step is as long as in a vibration.
+    collapsed, and the time `vibration_start` (s) before which no step is as long as in a vibration.
     The only group of the `assembly` are superelements; both stay as they are, so that several
     threads may follow impacts on them. Yields several records at a time, the first one of the
     start. Raises `SolverError`.
@@ -296,7 +296,7 @@ def follow_impact(
     progress = np.zeros(1, PROGRESS)
     progress["place"], progress["crush"] = striker.position, law_of(striker.crushing)
     progress["gravity"] = striker.gravity
-    drive = np.array([*pace, striker.mass, striker.velocity, striker.restitution, calm])
+    drive = np.array([*pace, striker.mass, striker.velocity, striker.restitution, vibration_start])
     size = 2 * assembly.size + sum(values.size for values in old)
     rows, status = max(3, min(1024, NUMBERS // size)), GOING
     while status in (GOING, COLLAPSE):

@@ -19,7 +19,7 @@ MODELS = ("single-dof", "four-dof")
 
 @pytest.fixture(scope="module")
 def impact():
-    return wb.hit(wb.Column("HEB 220", 2.0, 2.0, axial_load=5e5), mass=1500, velocity=5)
+    return wb.impact(wb.Column("HEB 220", 2.0, 2.0, axial_load=5e5), mass=1500, velocity=5)
 
 
 @pytest.fixture(scope="module")
@@ -123,7 +123,7 @@ def test_rows_of_a_table_are_cases(impact, column_file, tmp_path, capsys):
     assert answers["striker.mass"].dims == ("case",)
     assert answers["striker.velocity"].attrs["units"] == "m/s"
     for row in table.itertuples():
-        hit = wb.hit(impact.column, mass=row[2], velocity=row[1])
+        hit = wb.impact(impact.column, mass=row[2], velocity=row[1])
         single = float(wb.simulate(hit, "single-dof").peak_displacement)
         assert float(answers.peak_displacement[0, row.Index]) == single
     file, out = tmp_path / "cases.csv", tmp_path / "answers.csv"

@@ -112,7 +112,7 @@ def test_residuals_of_the_truth_lie_inside_what_is_said(table) -> None:
 def test_an_answer_that_is_20_percent_low_is_told_so(table) -> None:
     values = []
     for _, row in judged(table).iloc[::12].iterrows():
-        ratios = table.truths(row) + np.log(row[ANCHOR] / (0.8 * row[TRUTH]))
+        ratios = table.log_ratios(row) + np.log(row[ANCHOR] / (0.8 * row[TRUTH]))
         values.append(np.median(np.exp(-ratios)) - 1.0)
     assert np.median(values) == pytest.approx(-0.2, abs=0.05)
 

@@ -211,7 +211,7 @@ def test_the_python_of_the_readme_prints_what_it_says(
     ((grade, answer),) = re.findall(r'Steel\(grade="(\w+)"\)\)` .* rate: (.*)\.\n', page)
     assert isinstance(wb, ModuleType)
     column = names["column"].changed(steel=wb.Steel(grade=grade))  # type: ignore[attr-defined]
-    response = wb.simulate(wb.hit(column, mass=1500, velocity="54 km/h"))
+    response = wb.simulate(wb.impact(column, mass=1500, velocity="54 km/h"))
     assert plain(response.workbench.headline).startswith(answer)
 
 

@@ -131,16 +131,16 @@ def test_the_same_truth_is_expected_whatever_the_model(stored) -> None:
     hit = drawn(JUDGED.iloc[0])
     values, *_ = truth_ratio(hit)
     low, high = ends_of(len(values))
-    truths = stored[hit.name] * np.exp(values)
+    log_ratios = stored[hit.name] * np.exp(values)
     for factor in (0.5, 1.0, 1.3):
         answer = factor * stored[hit.name]
         error = expected_error(hit, answered(answer))
         assert error.reason == ""
-        assert error.low == pytest.approx(answer / truths[high] - 1.0)
-        assert error.high == pytest.approx(answer / truths[low] - 1.0)
+        assert error.low == pytest.approx(answer / log_ratios[high] - 1.0)
+        assert error.high == pytest.approx(answer / log_ratios[low] - 1.0)
         assert error.low < error.expected < error.high
-        off = np.abs(answer / truths - 1.0) > 0.1
-        assert error.chance == pytest.approx((off.sum() + 0.5) / (len(truths) + 1))
+        off = np.abs(answer / log_ratios - 1.0) > 0.1
+        assert error.chance == pytest.approx((off.sum() + 0.5) / (len(log_ratios) + 1))
         assert error.warns == (error.chance > 0.1)
 
 
@@ -266,7 +266,7 @@ def test_a_rate_law_adds_what_one_factor_leaves_out() -> None:
             continue
         plain, plain_cell, *_ = truth_ratio(alike)
         assert cell == plain_cell
-        assert ratios == pytest.approx(widened(plain, RATES.truths(features)))
+        assert ratios == pytest.approx(widened(plain, RATES.log_ratios(features)))
         low, high = ends_of(len(ratios))
         held.append(ratios[low] <= np.log(row[TRUTH] / anchor_peak(hit)) <= ratios[high])
     assert len(held) >= 10
@@ -280,12 +280,12 @@ def test_what_one_factor_leaves_out_goes_with_the_overstress() -> None:
     """Below all that were drawn it is no more than at the least; above them it is not known."""
     hit = drawn(RATES.rows[np.isfinite(RATES.ratios)].iloc[0])
     features = RATES.features(hit)
-    half, whole = (RATES.truths(features | {FACTOR: each}) for each in (1.15, 1.3))
+    half, whole = (RATES.log_ratios(features | {FACTOR: each}) for each in (1.15, 1.3))
     assert whole == pytest.approx(2.0 * half)
     for share, unknown in ((1.0, False), (1.05, False), (1.8, True)):
         assert bool(RATES.unknown(features | {FACTOR: share})) == unknown
     least = RATES.rows[FACTOR][np.isfinite(RATES.ratios)].min()
-    at_least, none = (RATES.truths(features | {FACTOR: each}) for each in (least, 1.0))
+    at_least, none = (RATES.log_ratios(features | {FACTOR: each}) for each in (least, 1.0))
     assert none == pytest.approx(at_least)
     steel = hit.column.steel.changed(rate=CowperSymonds(1e15, 5.0))
     hardly = replace(hit, column=hit.column.changed(steel=steel))
