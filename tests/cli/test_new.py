@@ -106,7 +106,7 @@ def test_a_scenario_to_start_from_runs(
     command = ["simulate", str(file), "--model", STARTS[kind], "--plot", str(picture)]
     assert run(command) == 0
     text = capsys.readouterr().out
-    assert f"stands; by {STARTS[kind]}, as asked" in text
+    assert f"survives; by {STARTS[kind]}, as asked" in text
     assert "<svg" in picture.read_text(encoding="utf-8")
 
 

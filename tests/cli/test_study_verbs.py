@@ -341,7 +341,7 @@ def test_report_hands_the_store_to_the_builder(
     seen: list[object] = []
 
     def build(stored: Assessment, formats: object, out: object) -> dict[str, Path]:
-        seen.extend((stored.directory, len(stored.read), formats, out))
+        seen.extend((stored.directory, len(stored.responses), formats, out))
         return {"html": stored.directory / "report.html"}
 
     monkeypatch.setattr("workbench.report.build.build_report", build)

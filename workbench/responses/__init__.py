@@ -29,6 +29,7 @@ from workbench.responses.histories import VARIABLES as VARIABLES
 from workbench.responses.histories import open_share as open_share
 from workbench.responses.histories import peak_contact_force as peak_contact_force
 from workbench.responses.histories import peak_of as peak_of
+from workbench.responses.outcome import COVERAGE as COVERAGE
 from workbench.responses.outcome import PEAK as PEAK
 from workbench.responses.outcome import RESIDUAL as RESIDUAL
 from workbench.responses.outcome import ExpectedError as ExpectedError

@@ -126,6 +126,7 @@ class Finding:
 
 
 PEAK, RESIDUAL = "peak_displacement", "residual_displacement"  # whose error is measured
+COVERAGE = 0.90  # share of true values inside an interval
 
 
 @dataclass(frozen=True, slots=True)

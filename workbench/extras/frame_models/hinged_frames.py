@@ -201,7 +201,7 @@ class PlasticHinge(FrameModel):
     rotation_capacity: float | None = ROTATION_CAPACITY()
 
     name: ClassVar[str] = "plastic-hinge"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
     papers: ClassVar[tuple[str, ...]] = ("orbison1982", "heng2017")
     euler_share: ClassVar[float] = 0.9
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -251,7 +251,7 @@ class QuasiPlasticHinge(FrameModel):
     concentrated: ClassVar[bool] = False
     euler_share: ClassVar[float] = 0.9
     name: ClassVar[str] = "quasi-plastic-hinge"
-    version: ClassVar[int] = 6
+    version: ClassVar[int] = 7
     papers: ClassVar[tuple[str, ...]] = ("attalla1994", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Hinges yield first where the outermost fiber does and harden to the full section as the "

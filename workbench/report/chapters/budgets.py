@@ -8,8 +8,8 @@ from typing import Any
 from workbench.report.page.formatting import in_unit, percent
 from workbench.report.page.markdown import Cell, Markdown, PageColumn, Table
 from workbench.report.page.page import Page
-from workbench.responses import PEAK
-from workbench.study.assessment.gates import COVERAGE, MODEL_FORM, NUMERICAL, SUMS, TOTAL
+from workbench.responses import COVERAGE, PEAK
+from workbench.study.assessment.gates import MODEL_FORM, NUMERICAL, SUMS, TOTAL
 from workbench.study.assessor import Assessment
 
 Row = Mapping[str, Any]

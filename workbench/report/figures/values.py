@@ -36,11 +36,11 @@ from workbench.report.drawing.frame import frame_scenario_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, first, nothing
 from workbench.report.drawing.style import GRID, INK, MUTED, PALETTE, WARNING, Style, entry, framed
 from workbench.report.page.formatting import axis_label, in_unit, number, title_of, unit_of
-from workbench.responses import PEAK, attribute
+from workbench.responses import COVERAGE, PEAK, attribute
 from workbench.responses.uncertainty import DATA_WIDTHS, uncertainty_of
 from workbench.steel.hinges import ShearSurface, has_webs
 from workbench.steel.hinges.interaction import ANGLES, RULES, radial_error, radius
-from workbench.study.assessment.gates import COVERAGE, SUMS
+from workbench.study.assessment.gates import SUMS
 from workbench.study.definition import Case
 
 MOST_CASES = 8

@@ -26,7 +26,6 @@ from numpy.typing import ArrayLike
 from workbench.base.arrays import Array
 from workbench.base.errors import InputError
 from workbench.responses import PEAK, RESIDUAL, ExpectedError
-from workbench.study.error_model.error_table import COVERAGE as COVERAGE
 
 _NAMED = 4  # cases that a reason names
 _DIFFERENT = "one side collapses and the other survives"

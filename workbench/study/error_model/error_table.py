@@ -25,6 +25,7 @@ from workbench.models.domain import shear_demand
 from workbench.models.hit_mass import elastic_energy, front_velocity
 from workbench.models.resistance.shapes import stages_of
 from workbench.models.strain_rate import rate_factor, stronger
+from workbench.responses import COVERAGE
 from workbench.scenarios import ColumnImpact, FrameImpact, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
 
@@ -158,7 +159,6 @@ def command_of(model: Any) -> str:
 
 ANCHOR, REFERENCE, FINEST = "flexible-superelement", "fiber-shear", "solid-plane-stress"
 FACTOR_BEAM = "fiber-shear-factor"  # the reference with one factor for the strain rate
-COVERAGE = 0.90  # share of truths inside an interval
 MARGIN, NEAREST = 0.05, 20  # of the range of a feature that nobody drew; neighbours of a point
 RIDGE = 10.0  # on standard features
 CUT = 0.02  # share of the values at each end that the line does not follow

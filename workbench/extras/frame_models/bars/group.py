@@ -159,7 +159,7 @@ class BarElements(HingedElements):
         plastic, ideal = float(np.sum(force * flow)), float(np.sum(new.local * flow))
         if hasattr(new, "strength") and np.any(new.strength != old.strength):
             softer, _ = self.elastic(new._replace(local=old.local))
-            damage = 0.5 * float(np.sum((softer - before) * new.local))
+            damage = 0.5 * float(np.sum((softer - before) * old.local))
             plastic, ideal = plastic + damage, ideal + damage
         lost = float(np.sum(force * change)) - (stored - held)
         if self._conservative:
