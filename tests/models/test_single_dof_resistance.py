@@ -15,7 +15,7 @@ from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.resistance import (
     RESISTANCES,
-    Mechanism,
+    PlasticMechanism,
     ResistanceCurve,
     column_curve,
     mechanism_of,
@@ -59,7 +59,7 @@ def test_it_unloads_with_the_steepest_slope_so_far(coefficients, at, steepest) -
     assert unloading_stiffness(pieces, at + 1.0) == pytest.approx(steepest)
 
 
-def random_mechanism(rng: np.random.Generator) -> Mechanism:
+def random_mechanism(rng: np.random.Generator) -> PlasticMechanism:
     """Rigid bars with hinges of a random section, any supports, restraint and axial load."""
     length = 10 ** rng.uniform(0.3, 1.1)
     below = length * rng.uniform(0.1, 0.9)
@@ -82,7 +82,7 @@ def random_mechanism(rng: np.random.Generator) -> Mechanism:
     largest = min(0.5 * squash, 0.5 * np.sum(s * s / phi) / rates[0])
     load = rng.choice([0.0, rng.uniform(-0.3, 1.0) * largest])
     restraint = 10 ** rng.uniform(5, 15)
-    return Mechanism(
+    return PlasticMechanism(
         tuple(groups),
         s,
         phi,
@@ -95,7 +95,7 @@ def random_mechanism(rng: np.random.Generator) -> Mechanism:
     )
 
 
-def step_by_step(mechanisms: list[Mechanism], steps: int) -> tuple[np.ndarray, np.ndarray]:
+def step_by_step(mechanisms: list[PlasticMechanism], steps: int) -> tuple[np.ndarray, np.ndarray]:
     """Displacements and (F, N, M of the impact point), [steps, columns], by projection per step.
 
     Nothing of the event algorithm: each step minimises the complementary energy over N with the
@@ -375,7 +375,7 @@ def test_unloading_of_a_yielded_hinge_is_refused() -> None:
     s = np.array([1 / lengths[0], 1 / lengths[0] + 1 / lengths[1], 1 / lengths[1]])
     bending = MODULUS * 1.374197e-4
     phi = np.array([lengths[0], 4.0, lengths[1]]) / (6.0 * bending)
-    mechanism = Mechanism(
+    mechanism = PlasticMechanism(
         ("base", "hit", "head"), s, phi, lengths, 0.261157 * 5.46847e7, 5.46847e7, -4.14651e7,
         4.0 / (MODULUS * 9e-3),
     )  # fmt: skip

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import fields, replace
+from dataclasses import asdict, fields, replace
 from typing import Any
 
 import numpy as np
@@ -218,6 +218,6 @@ def test_limits_ask_for_magnitudes_and_intervals_are_in_order(sign: float) -> No
     striker = ColumnImpact("hit", Column(HEB, 1.0, 1.0), Striker(1.0, 1.0))
     assert Asked(Swings(), striker).peak_at(0.0) == pytest.approx(0.2, rel=1e-4)
     error = ExpectedError("anchor", expected=0.0, low=-0.1, high=0.25, chance=0.1)
-    attributes = {"model": "toy", "error": json.dumps(error.as_dict())}
+    attributes = {"model": "toy", "error": json.dumps(asdict(error))}
     text = headline(response.assign_attrs(attributes)).replace("\u2212", "-")
     assert ("160 to 222" if sign > 0.0 else "-222 to -160") in text
