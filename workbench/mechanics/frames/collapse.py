@@ -265,9 +265,9 @@ class CollapseWatch:
     def __init__(self, structure: FrameStructure) -> None:
         self._structure = structure
         self.turned: CollapseError | None = None
-        if "lines" not in structure.kept:
-            structure.kept["lines"] = _drift_operator(structure.frame, structure.assembly)
-        self.lines: DriftOperator = structure.kept["lines"]
+        if "drift" not in structure.kept:
+            structure.kept["drift"] = _drift_operator(structure.frame, structure.assembly)
+        self.drift: DriftOperator = structure.kept["drift"]
 
     def follow(self, displacement: Any, time: Any) -> None:
         """Note what has `turned` first, in the committed state or in several, one of each time."""
@@ -303,9 +303,9 @@ class CollapseWatch:
         self.follow(displacement, time)
         if self.turned is not None and self._apart(now=True).max() > TURNED_OVER:
             raise self.turned
-        lost = members.contractions() @ self.lines.chain_average.T
+        lost = members.contractions() @ self.drift.chain_average.T
         if lost.max() > COLLAPSE_CONTRACTION:
-            names, most = self.lines.chains[int(lost.argmax())], 100.0 * COLLAPSE_CONTRACTION
+            names, most = self.drift.chains[int(lost.argmax())], 100.0 * COLLAPSE_CONTRACTION
             reason = finding("squashed", 100.0 * float(lost.max()), most=most).text
             collapse = Collapse(Mechanism.SQUASH, names, float(displacement), time)
             raise self.turned or CollapseError(collapse, f"{named(names)} {reason}")
@@ -315,7 +315,7 @@ class CollapseWatch:
 
         Of displacements `moved` (dofs,): movement of the line's ends across it over its length.
         """
-        return np.asarray(np.abs(moved[..., self.lines.column_dofs] @ self.lines.sway))
+        return np.asarray(np.abs(moved[..., self.drift.column_dofs] @ self.drift.sway))
 
     def sideways(self) -> tuple[float, int]:
         """Largest movement of a member's ends across its axis over its length; which member."""
@@ -329,10 +329,10 @@ class CollapseWatch:
         `now`, also over the distance that is left between its ends: a chord that turns over passes
         all of that, and may be too short to reach its first length.
         """
-        lines, at = self.lines, self._structure.assembly.displacement[..., self.lines.corners]
+        drift, at = self.drift, self._structure.assembly.displacement[..., self.drift.corners]
         apart = at[..., 2:] - at[..., :2]
-        moved = np.abs(np.sum(apart * lines.transverse, axis=-1))
+        moved = np.abs(np.sum(apart * drift.transverse, axis=-1))
         if now:
-            left = 1.0 + np.sum(apart * lines.axial, axis=-1)
+            left = 1.0 + np.sum(apart * drift.axial, axis=-1)
             moved /= np.minimum(1.0, np.hypot(moved, left))
         return np.asarray(moved)

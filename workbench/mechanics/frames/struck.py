@@ -66,17 +66,17 @@ class StruckRecord(Record):
     @property
     def limits(self) -> CollapseLimits:
         """Limits of collapse, for compiled steps."""
-        lines = self.watch.lines
+        drift = self.watch.drift
         return CollapseLimits(
             collapse.TURNED_OVER,
             collapse.COLLAPSE_CONTRACTION,
             collapse.LEAST_LENGTH,
             self.structure.members.first,
-            lines.corners,
-            lines.transverse,
-            lines.axial,
-            lines.chain_average.argmax(axis=0),
-            lines.chain_average.max(axis=0),
+            drift.corners,
+            drift.transverse,
+            drift.axial,
+            drift.chain_average.argmax(axis=0),
+            drift.chain_average.max(axis=0),
         )
 
     def take(self, step: TimeStep | PathStep | Records, at: Any, *, turns: bool = False) -> None:

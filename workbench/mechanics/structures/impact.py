@@ -14,7 +14,7 @@ Impact driver: implicit time steps with a unilateral contact at one dof.
 The midpoint step x1 = x0 + dt (v0 + v1) / 2 with energy-exact element forces, stresses
 (1 - weight) old + weight new, and Newton's law of restitution in the velocity form of Moreau,
 xi = gamma_1 + restitution gamma_0 = 0 for a closed contact, gamma the velocity of the gap. Other
-schemes, on a column and on a frame, are those of the laboratory, see `impact.schemes`.
+schemes, on a column and on a frame, are those of the companion `extras.laboratory`.
 
 Sources: Heng 2017, chapter 3 (eqs 3.17-3.30; energy-momentum step 3.31-3.33); Moreau 1988.
 """
