@@ -46,7 +46,7 @@ ROOM = np.dtype(
         ("flow", float, 6),  # of the first and of the second hinge, J
         ("aim", float, (2, 3)),  # normals that were met last: where the next search begins
         *((name, float, 6) for name in ("old", "step", "gradient", "column")),
-        *(("hessian", float, (2, 3, 3)), ("matrix", float, (6, 6))),
+        *(("hessian", float, (2, 3, 3)), ("matrix", float, (6, 6)), ("half", float, (5, 6))),
         *(("point", float, 3), ("bend", float, (3, 3))),  # gradient and Hessian of D in a gauge
         ("iterations", int),  # of the last projection
     ]
@@ -56,7 +56,7 @@ FAILED, ELASTIC = -1, 0  # else 1, 2 or 3: the first hinge flows, the second one
 _SHARED = 1e-9  # of the axial stiffness: holds how an elongation is shared by two hinges that flow
 _TINY, _NOTHING = 1e-14, 1e-100  # of the diagonal; forces over the plastic ones
 _OUTSIDE = 1.0 + 1e-10  # gauge from which on a hinge flows
-_TOLERANCE, _ACCEPTED = 1e-11, 1e-6  # residual, over the plastic forces: wanted, taken
+_TOLERANCE, _ACCEPTED = 1e-9, 1e-6  # residual, over the plastic forces: wanted, taken
 _ITERATIONS, _SEARCHES, _SETS, _REST_EVERY = 100, 10, 8, 4
 
 
@@ -455,14 +455,16 @@ def project(surface, K, trial, room):
     if not most < _ACCEPTED:
         return FAILED
     _assemble(K, low, high, _TINY, room)
-    column, p = room.column, room.flow
+    A, half, p = room.matrix, room.half, room.flow
     for i in range(5):
         for j in range(low, high):
-            column[j] = K[i, PLACE[j]]
-        substitute(room.matrix, column, low, high)
-        for k in range(5):
+            half[i, j] = K[i, PLACE[j]]
+            for k in range(low, j):
+                half[i, j] -= A[j, k] * half[i, k]
+        for k in range(i + 1):
             for j in range(low, high):
-                C[k, i] -= K[k, PLACE[j]] * column[j]
+                C[i, k] -= half[i, j] * half[k, j] / A[j, j]
+            C[k, i] = C[i, k]
     for hinge in range(2):
         flows = (first, second)[hinge]
         for i in range(3):
