@@ -307,7 +307,7 @@ def _assemble(K, low, high, damping, room):
 
 @njit(cache=True, error_model="numpy")
 def _along(K, a, first, b, second):
-    """d'Kd of the flows `a` (3,) and `b` (3,) of two hinges, the `first` and the `second` place."""
+    """Work a'Kb of the flows `a` (3,) of the hinge `first` and `b` (3,) of the hinge `second`."""
     total = 0.0
     for i in range(3):
         for j in range(3):
