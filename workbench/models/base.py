@@ -138,8 +138,9 @@ def striker_findings(model: Any, striker: Striker) -> list[Finding]:
     findings = []
     if striker.crushes and not getattr(model, "crushing", False):
         findings.append(finding("rigid-striker-alone", name=model.name))
-    if striker.angle and not getattr(model, "spatial", False):
-        findings.append(finding("off-plane", degrees(striker.angle), name=model.name))
+    farthest = float(np.max(striker.angle))  # of a stack
+    if farthest > 0.0 and not getattr(model, "spatial", False):
+        findings.append(finding("off-plane", degrees(farthest), name=model.name))
     return findings
 
 
