@@ -1,0 +1,5 @@
+"""Structures in space: nodes that move and turn in three directions, co-rotational fiber beams."""
+
+from workbench.mechanics.structures.space.beams import SpaceAssembly as SpaceAssembly
+from workbench.mechanics.structures.space.beams import SpaceBeams as SpaceBeams
+from workbench.mechanics.structures.space.beams import SpaceSection as SpaceSection
