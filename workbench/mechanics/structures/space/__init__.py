@@ -3,3 +3,4 @@
 from workbench.mechanics.structures.space.beams import SpaceAssembly as SpaceAssembly
 from workbench.mechanics.structures.space.beams import SpaceBeams as SpaceBeams
 from workbench.mechanics.structures.space.beams import SpaceSection as SpaceSection
+from workbench.mechanics.structures.space.beams import space_fibers as space_fibers

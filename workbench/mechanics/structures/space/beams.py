@@ -23,6 +23,16 @@ from workbench.mechanics.structures.fibers.section import (
     gauss_rule,
 )
 from workbench.mechanics.structures.space import beam_kernels
+from workbench.steel.sections.section import (
+    CircularTube,
+    ISection,
+    Rectangle,
+    RectangularTube,
+    Section,
+    Shape,
+)
+
+FILLET = 0.2234  # of the root radius: distance of a fillet's centroid from both plates
 
 
 class SpaceAssembly(PlanarAssembly):
@@ -130,9 +140,36 @@ class SpaceBeams(FiberElements):
         return self._old.deformation[:, 0]
 
     @property
-    def forces(self) -> Array:
-        """Committed N, and moments about the axes of the element at both ends (elements, 7)."""
-        return self._old.forces
+    def section_forces(self) -> Array:
+        """Committed N, and internal M_y and M_z at both ends (elements, 2, 3)."""
+        Q = self._old.forces
+        first, second = Q[:, [0, 2, 3]], Q[:, [0, 5, 6]]
+        return np.stack([first * [1.0, -1.0, -1.0], second], axis=1)
+
+    @property
+    def local_forces(self) -> Array:
+        """Committed N and end moments about the z axis of the structure, by the axes at rest."""
+        Q = self._old.forces
+        ends = np.stack([Q[:, [2, 3]], Q[:, [5, 6]]], axis=1)
+        moments = np.einsum("eni,ei->en", ends, self.rest[:, 2, 1:])
+        return np.concatenate([Q[:, :1], moments], axis=1)
+
+    @property
+    def shear_forces(self) -> Array:
+        """Committed shear force along the height of the section (elements,), in N."""
+        Q = self._old.forces
+        return np.asarray((Q[:, 3] + Q[:, 6]) / (self.lengths + self.elongations))
+
+    def plastic_rotations(self) -> Array:
+        """Committed plastic curvature about the z axis of the structure, integrated (elements,)."""
+        tables, strain = self.tables[1], self.lengths[:, None] * self.plastic_strains
+        turns = []
+        for lever in (tables.z, -tables.plane.y):
+            weights = (
+                lever * tables.plane.area / np.sum(lever**2 * tables.plane.area, axis=1)[:, None]
+            )
+            turns.append(np.sum(strain * weights[tables.plane.of], axis=1))
+        return np.asarray(np.sum(np.transpose(turns) * self.rest[:, 2, 1:], axis=1))
 
     @property
     def plastic_strains(self) -> Array:
@@ -144,3 +181,53 @@ class SpaceBeams(FiberElements):
     def shear_strains(self) -> Array:
         """Shear strain of the elements (elements,): none."""
         return np.zeros(len(self.nodes))
+
+
+class SpaceFibers(NamedTuple):
+    """Places `y` along the height and `z` along the width in m, and areas in m2, (f,) each."""
+
+    y: Array
+    z: Array
+    area: Array
+
+
+def space_fibers(section: Section, layers: int) -> SpaceFibers:
+    """Cut the strips of `Section.fibers` across their width too.
+
+    Arguments: `section`; even number of `layers` over the depth, and across flanges and solid
+    sections. Plates that stand upright have two fibers across each; root fillets lie at the
+    centroids of their areas; round tubes have two rings of twice as many.
+    """
+    shape = section.shape
+    if isinstance(shape, CircularTube):
+        return _rings(shape, 2 * layers)
+    rows = []
+    for group, z in zip(shape.layers(layers // 2), _across(shape, layers), strict=True):
+        for y, area in zip(*group.strips(), strict=True):
+            rows += [(side * y, place, area / len(z)) for side in (-1.0, 1.0) for place in z]
+    return SpaceFibers(*np.transpose(rows))
+
+
+def _across(shape: Shape, layers: int) -> list[Array]:
+    """Places along the width of the fibers of each group of `Shape.layers`."""
+    flange, pair = shape.width * ((np.arange(layers) + 0.5) / layers - 0.5), np.array([-1.0, 1.0])
+    if isinstance(shape, Rectangle):
+        return [flange]
+    if isinstance(shape, RectangularTube):
+        walls = np.add.outer(0.5 * (shape.width - shape.wall) * pair, 0.25 * shape.wall * pair)
+        return [walls.ravel(), flange]
+    assert isinstance(shape, ISection)
+    fillets = [(0.5 * shape.web + FILLET * shape.fillet) * pair] if shape.fillet else []
+    return [0.25 * shape.web * pair, flange, *fillets]
+
+
+def _rings(shape: CircularTube, count: int) -> SpaceFibers:
+    """Two rings of so many fibers of a round tube, at the centroids of their sectors."""
+    edges = 0.5 * shape.diameter - shape.wall * np.array([0.0, 0.5, 1.0])
+    area = np.pi / count * -np.diff(edges**2)
+    first = 2.0 / 3.0 * np.sin(np.pi / count) * -np.diff(edges**3)
+    angle = 2.0 * np.pi * (np.arange(count) + 0.5) / count
+    y, z = (
+        np.multiply.outer(first / area, each).ravel() for each in (np.cos(angle), np.sin(angle))
+    )
+    return SpaceFibers(y, z, np.repeat(area, count))

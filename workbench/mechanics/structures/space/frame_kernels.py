@@ -22,7 +22,7 @@ from workbench.base.arrays import Array
 from workbench.base.compiled import njit
 
 SMALL = 1e-2  # rad; below it the coefficients of the inverse tangent map are taken from series
-LEAST_STEP = 1e-22  # square of a step over that of the length, below which nothing is corrected
+LEAST_GAP = 1e-13  # strain of a step times its turn squared, below which rounding is all there is
 
 
 class SpaceFrame(NamedTuple):
@@ -404,9 +404,9 @@ def add_moved_element(step, bars, e, axes, old, moved, end, middle, Q, C):
     share, way = (step.weight, 0.5) if step.dynamic else (1.0, 1.0)
     for node in range(2):  # equilibrium is that at the end
         psi = moved[6 * node + 3 : 6 * node + 6]
-        turned = half_share(psi) if step.dynamic else 1.0
-        turn(psi, turned, old.triads[e, node], here[node])
-        spin_map(psi, turned, maps[node])
+        part = half_share(psi) if step.dynamic else 1.0
+        turn(psi, part, old.triads[e, node], here[node])
+        spin_map(psi, part, maps[node])
     for k in range(3):
         chord[k] = old.chord[e, k] + way * (moved[6 + k] - moved[k])
     take_frame(chord, bars.chords[e], L, here[0], here[1], at)
@@ -418,7 +418,10 @@ def add_moved_element(step, bars, e, axes, old, moved, end, middle, Q, C):
             for j in range(12):
                 gap[i] -= at.B[i, j] * moved[j]
             alpha += Q[i] * gap[i]
-    corrected = size > LEAST_STEP * L * L
+    turned = 0.0
+    for k in range(3):
+        turned += moved[3 + k] ** 2 + moved[9 + k] ** 2
+    corrected = math.sqrt(size) * (turned + size / (L * L)) > LEAST_GAP * L
     alpha = alpha / size if corrected else 0.0
     for j in range(12):
         force[j] = alpha * rest[j] if corrected else 0.0
