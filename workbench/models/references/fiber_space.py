@@ -134,5 +134,5 @@ class FiberSpace(FiberReference):
             z=places.z,
             torsion=steel.shear_modulus * torsion_constant(section.shape),
         )
-        height = -cos(turned), 0.0, -sin(turned)
+        height = -cos(turned), 0.0, sin(turned)
         return SpaceBeams(mesh.nodes, np.zeros_like(mesh.member), [fibers], height)
