@@ -21,7 +21,7 @@ from workbench.base.errors import CollapseError, InputError, OutOfDomainError, S
 from workbench.base.fields import Declared, check_keys, did_you_mean
 from workbench.base.offered import offered
 from workbench.mechanics.frames.elastic import linear_algebra
-from workbench.models.domain import implausible, unused_inputs
+from workbench.models.domain import eccentric, implausible, unused_inputs
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import (
     VARIABLES,
@@ -126,7 +126,7 @@ def findings_before(model: Model, scenario: Any, left_out: Sequence[Finding]) ->
     With what it has `left_out` of the steel, see `with_strain_rate`.
     """
     findings = [*model.domain(scenario), *implausible(scenario), *unused_inputs(model, scenario)]
-    findings += left_out
+    findings += [*left_out, *eccentric(model, scenario)]
     striker = getattr(scenario, "striker", None)
     if striker is not None and striker.crushes and not getattr(model, "crushing", False):
         findings.append(finding("rigid-striker-alone", name=model.name))

@@ -324,6 +324,14 @@ def strength_ratio(surface: ShearSurface, properties: MemberProperties) -> Any:
     return ratio
 
 
+def eccentric(model: Any, scenario: Scenario) -> list[Finding]:
+    """Refusal of a hit beside the shear centre by a model that knows none (`eccentric`)."""
+    away = getattr(scenario, "eccentricity", None)
+    if not away or getattr(model, "eccentric", False):
+        return []
+    return [finding("eccentricity", away, name=model.name)]
+
+
 def implausible(scenario: Scenario) -> list[Finding]:
     """Warnings of loads, masses and velocities that look like those of another unit."""
     findings = []

@@ -304,6 +304,12 @@ class ColumnImpact(Impact, Weighed, Declared, table="time"):
         SENSE, optional=True, path="striker.direction", help="of its flight, horizontal by default"
     )
     gravity: bool | None = checked(Flag(), optional=True, path="gravity", help=WEIGHS)
+    eccentricity: float | None = checked(
+        Number(-2.5, 2.5, "m", advice="lengths are in metres, not millimetres"),
+        optional=True,
+        path="striker.eccentricity",
+        help="of its line from the shear centre, across its flight, 0 by default",
+    )
 
     KIND: ClassVar[str] = "column-impact"
     READING: ClassVar[int] = 2  # raised when what all models read off their histories changes
