@@ -135,7 +135,7 @@ def findings_before(model: Model, scenario: Any, left_out: Sequence[Finding]) ->
 
 
 def striker_findings(model: Any, striker: Striker) -> list[Finding]:
-    """Refusals of a striker that crushes, or hits off the plane or the axis, which a model lacks."""
+    """Refusals of a striker that crushes, or hits off the plane or the axis, unknown to a model."""
     findings = []
     if striker.crushes and not getattr(model, "crushing", False):
         findings.append(finding("rigid-striker-alone", name=model.name))
