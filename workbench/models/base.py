@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cache, lru_cache
 from importlib.metadata import EntryPoint
 from itertools import filterfalse
+from math import degrees
 from operator import attrgetter
 from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
@@ -53,7 +54,8 @@ class Model(Protocol):
     `name` and `version` (raised when its numbers change) identify it; `answers` lists scenario
     kinds; `assumptions` are sentences. A model that knows strain rate or hardening by itself has a
     `material` that names them; others run with `with_strain_rate`. Optional: `crushing`, whether it
-    answers strikers that crush; `unused`, see `unused_inputs`; for many, see `models.batch`.
+    answers strikers that crush; `spatial`, whether those that hit off the plane of bending;
+    `unused`, see `unused_inputs`; for many, see `models.batch`.
     """
 
     name: ClassVar[str]
@@ -128,8 +130,17 @@ def findings_before(model: Model, scenario: Any, left_out: Sequence[Finding]) ->
     findings = [*model.domain(scenario), *implausible(scenario), *unused_inputs(model, scenario)]
     findings += left_out
     striker = getattr(scenario, "striker", None)
-    if striker is not None and striker.crushes and not getattr(model, "crushing", False):
+    return findings + ([] if striker is None else striker_findings(model, striker))
+
+
+def striker_findings(model: Any, striker: Striker) -> list[Finding]:
+    """Refusals of a striker that crushes, or hits off the plane of bending, which a model lacks."""
+    findings = []
+    if striker.crushes and not getattr(model, "crushing", False):
         findings.append(finding("rigid-striker-alone", name=model.name))
+    farthest = float(np.max(striker.angle))  # of a stack
+    if farthest > 0.0 and not getattr(model, "spatial", False):
+        findings.append(finding("off-plane", degrees(farthest), name=model.name))
     return findings
 
 

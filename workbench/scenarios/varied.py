@@ -176,7 +176,8 @@ def _of_values(varied: Varied) -> Iterator[tuple[Indices, ColumnImpact | None]]:
         stack = _stacked(
             base, {path: array[members] for path, array in numbers.items()}, len(members)
         )
-        fit = inside[members] & ~(stack.column.is_squashed | stack.column.is_stocky)
+        refused = stack.column.is_squashed | stack.column.is_stocky | stack.is_turned_twice
+        fit = inside[members] & ~refused
         if fit.any():
             yield members[fit], take(stack, fit)
         if not fit.all():
@@ -234,10 +235,12 @@ def _same(scenario: Scenario) -> Any:
     if not isinstance(scenario, ColumnImpact) or scenario.striker.crushes:
         return None
     column, steel = scenario.column, scenario.column.steel
-    given = tuple(getattr(column, name) is None for name in (*OVERRIDES, "impact_mass"))
+    names = *OVERRIDES, "impact_mass", "unbraced_length"
+    given = tuple(getattr(column, name) is None for name in names)
     laws = steel.rate, steel.hardening_modulus
-    ends = column.base, column.head, scenario.acceleration
-    return column.section, column.fillets, *ends, laws, given
+    ends = column.axis, *column.ends, *column.ends_about("weak")
+    directions = scenario.acceleration, scenario.striker.angle > 0.0
+    return column.section, column.fillets, *ends, *directions, laws, given
 
 
 def _gathered(scenarios: Sequence[Any]) -> ColumnImpact:

@@ -46,7 +46,7 @@ ROOM = np.dtype(
         ("flow", float, 6),  # of the first and of the second hinge, J
         ("aim", float, (2, 3)),  # normals that were met last: where the next search begins
         *((name, float, 6) for name in ("old", "step", "gradient", "column")),
-        *(("hessian", float, (2, 3, 3)), ("matrix", float, (6, 6))),
+        *(("hessian", float, (2, 3, 3)), ("matrix", float, (6, 6)), ("half", float, (5, 6))),
         *(("point", float, 3), ("bend", float, (3, 3))),  # gradient and Hessian of D in a gauge
         ("iterations", int),  # of the last projection
     ]
@@ -56,7 +56,7 @@ FAILED, ELASTIC = -1, 0  # else 1, 2 or 3: the first hinge flows, the second one
 _SHARED = 1e-9  # of the axial stiffness: holds how an elongation is shared by two hinges that flow
 _TINY, _NOTHING = 1e-14, 1e-100  # of the diagonal; forces over the plastic ones
 _OUTSIDE = 1.0 + 1e-10  # gauge from which on a hinge flows
-_TOLERANCE, _ACCEPTED = 1e-11, 1e-6  # residual, over the plastic forces: wanted, taken
+_TOLERANCE, _ACCEPTED = 1e-9, 1e-6  # residual, over the plastic forces: wanted, taken
 _ITERATIONS, _SEARCHES, _SETS, _REST_EVERY = 100, 10, 8, 4
 
 
@@ -306,19 +306,42 @@ def _assemble(K, low, high, damping, room):
 
 
 @njit(cache=True, error_model="numpy")
-def _set_off(surface, K, hinge, share, room):
-    """Flow of a hinge along its aim that brings the forces there back to the surface alone."""
-    aim, force, at = room.aim[hinge], room.force, 3 * hinge
-    D = support(surface, aim, room.point, room.bend)
-    work = stiff = 0.0
+def _along(K, a, first, b, second):
+    """Work a'Kb of the flows `a` (3,) of the hinge `first` and `b` (3,) of the hinge `second`."""
+    total = 0.0
     for i in range(3):
-        work += aim[i] * force[PLACE[at + i]]
         for j in range(3):
-            stiff += aim[i] * K[PLACE[at + i], PLACE[at + j]] * aim[j]
-    long = share * max(work - D, 1e-6 * D) / stiff
-    for i in range(3):
-        live = K[PLACE[at + i], PLACE[at + i]] > 0.0
-        room.flow[at + i] = long * aim[i] if live else 0.0
+            total += a[i] * K[PLACE[3 * first + i], PLACE[3 * second + j]] * b[j]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def _set_off(surface, K, flows, room):
+    """First guess of the flow of the hinges that do: along their aims, so far that J is least."""
+    force, p, aim = room.force, room.flow, room.aim
+    long0, long1, work0, work1 = 0.0, 0.0, 0.0, 0.0
+    if flows[0]:
+        work0 = aim[0, 0] * force[0] + aim[0, 1] * force[1] + aim[0, 2] * force[2]
+        D = support(surface, aim[0], room.point, room.bend)
+        work0 = max(work0 - D, 1e-6 * D)
+        long0 = work0 / _along(K, aim[0], 0, aim[0], 0)
+    if flows[1]:
+        work1 = aim[1, 0] * force[0] + aim[1, 1] * force[3] + aim[1, 2] * force[4]
+        D = support(surface, aim[1], room.point, room.bend)
+        work1 = max(work1 - D, 1e-6 * D)
+        long1 = work1 / _along(K, aim[1], 1, aim[1], 1)
+    if flows[0] and flows[1]:
+        stiff0, stiff1 = work0 / long0, work1 / long1
+        both = _along(K, aim[0], 0, aim[1], 1)
+        whole = stiff0 * stiff1 - both * both
+        joint0 = (work0 * stiff1 - work1 * both) / whole
+        joint1 = (work1 * stiff0 - work0 * both) / whole
+        good = whole > 1e-6 * stiff0 * stiff1 and joint0 > 0.0 and joint1 > 0.0
+        long0, long1 = (joint0, joint1) if good else (0.5 * long0, 0.5 * long1)
+    for i in range(6):
+        if flows[i // 3]:
+            live = K[PLACE[i], PLACE[i]] > 0.0
+            p[i] = (long0, long1)[i // 3] * aim[i // 3, i % 3] if live else 0.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -414,36 +437,34 @@ def project(surface, K, trial, room):
     second = turns[1] and _is_outside(surface, force[0], force[3], force[4], 1, room)
     if not (first or second):
         return ELASTIC
-    share = 0.5 if first and second else 1.0
-    if first:
-        _set_off(surface, K, 0, share, room)
-    if second:
-        _set_off(surface, K, 1, share, room)
+    _set_off(surface, K, (first, second), room)
     low, high, most = 0, 0, np.inf
     for _ in range(_SETS):
         first, second, most = _minimise(surface, K, trial, (first, second), room)
         low, high = _bounds(first, second)
         joined = False
         if not first and turns[0] and _is_outside(surface, force[0], force[1], force[2], 0, room):
-            _set_off(surface, K, 0, 1e-3, room)
+            _set_off(surface, K, (True, False), room)
             first = joined = True
         free = not joined and not second and turns[1]
         if free and _is_outside(surface, force[0], force[3], force[4], 1, room):
-            _set_off(surface, K, 1, 1e-3, room)
+            _set_off(surface, K, (False, True), room)
             second = joined = True
         if not joined:
             break
     if not most < _ACCEPTED:
         return FAILED
     _assemble(K, low, high, _TINY, room)
-    column, p = room.column, room.flow
+    A, half, p = room.matrix, room.half, room.flow
     for i in range(5):
         for j in range(low, high):
-            column[j] = K[i, PLACE[j]]
-        substitute(room.matrix, column, low, high)
-        for k in range(5):
+            half[i, j] = K[i, PLACE[j]]
+            for k in range(low, j):
+                half[i, j] -= A[j, k] * half[i, k]
+        for k in range(i + 1):
             for j in range(low, high):
-                C[k, i] -= K[k, PLACE[j]] * column[j]
+                C[i, k] -= half[i, j] * half[k, j] / A[j, j]
+            C[k, i] = C[i, k]
     for hinge in range(2):
         flows = (first, second)[hinge]
         for i in range(3):

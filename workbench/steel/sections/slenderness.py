@@ -1,7 +1,7 @@
 """Slender plates, slender members: classes, effective widths, lateral-torsional buckling, wear.
 
 Sources: EN 1993-1-1, table 5.2, 6.3.2.2 and 6.3.2.3; EN 1993-1-5, 4.4; Lignos and Krawinkler 2011.
-Bending is about the strong axis, partial factors are 1.
+Partial factors are 1.
 """
 
 from math import pi, sqrt
@@ -13,12 +13,12 @@ from workbench.steel.sections.section import (
     CircularTube,
     ISection,
     Rectangle,
-    RectangularTube,
     Section,
-    Shape,
+    TurnedISection,
 )
 
 BENT, PRESSED, OUTSTAND = (72.0, 83.0, 124.0), (33.0, 38.0, 42.0), (9.0, 10.0, 14.0)  # by epsilon
+TIP = (9.0, 10.0, 21.0 * sqrt(0.57))  # outstand flange bent in its plane, its tip compressed
 ROUND = (50.0, 70.0, 90.0)  # by epsilon squared
 
 
@@ -53,8 +53,12 @@ class LateralBuckling(NamedTuple):
 
 
 def plates_of(section: Section) -> Plates:
-    """Flat plates of an I section, between its fillets, or of a rectangular tube."""
-    shape, (upright, across) = section.shape, section.shape.plates
+    """Flat plates of an I section, between its fillets, or of a rectangular tube.
+
+    Those of an I section about its weak axis are named as about its strong one.
+    """
+    shape = section.shape.turned if isinstance(section.shape, TurnedISection) else section.shape
+    upright, across = shape.plates
     clear = shape.height - 2.0 * across
     if not isinstance(shape, ISection):
         wall = 0.5 * upright
@@ -77,7 +81,10 @@ def plate_classes(section: Section, steel: Steel) -> Classes:
     p = plates_of(section)
     flange = _class(p.flange / p.flange_thickness / e, OUTSTAND if p.outstand else PRESSED)
     web = p.web / p.web_thickness / e
-    return Classes(max(flange, _class(web, PRESSED)), max(flange, _class(web, BENT)))
+    pressed = max(flange, _class(web, PRESSED))
+    if isinstance(section.shape, TurnedISection):  # the moment leaves the web alone
+        return Classes(pressed, _class(p.flange / p.flange_thickness / e, TIP))
+    return Classes(pressed, max(flange, _class(web, BENT)))
 
 
 def reduction(ratio: float, psi: float = 1.0, outstand: bool = False) -> float:
@@ -109,6 +116,8 @@ def shares_by_class(section: Section, strength: Section, steel: Steel) -> tuple[
     classes = plate_classes(section, steel)
     if max(classes) == 4 and isinstance(section.shape, CircularTube):
         raise OutOfDomainError(f"{section.name} is of class 4, round, without effective widths")
+    if classes.bent == 4 and isinstance(section.shape, TurnedISection):
+        raise OutOfDomainError(f"{section.name} is of class 4, without effective widths")
     area, modulus = strength.area, strength.plastic_section_modulus
     if classes.bent == 3:
         modulus = strength.elastic_section_modulus
@@ -134,23 +143,6 @@ def torsion_of(shape: ISection) -> tuple[float, float, float]:
         inscribed = ((r + 0.5 * web) ** 2 + (r + t) ** 2 - r**2) / (2.0 * r + t)
         twist += 2.0 * (web / t) * (0.145 + 0.1 * r / t) * inscribed**4 - 0.42 * t**4
     return weak, twist, t * b**3 / 24.0 * (h - t) ** 2
-
-
-def torsion_constant(shape: Shape) -> float:
-    """Torsion constant I_t of St Venant in m4; of hollow sections by Bredt, walls included."""
-    if isinstance(shape, ISection):
-        return torsion_of(shape)[1]
-    if isinstance(shape, CircularTube):
-        outer = 0.5 * shape.diameter
-        return 0.5 * pi * (outer**4 - (outer - shape.wall) ** 4)
-    height, width = shape.height, shape.width
-    if isinstance(shape, RectangularTube):
-        t = shape.wall
-        around = 2.0 * (height + width - 2.0 * t)
-        return 4.0 * ((height - t) * (width - t)) ** 2 * t / around + around * t**3 / 3.0
-    thin, share = min(height, width), min(height, width) / max(height, width)
-    slots = share * (0.21 - 0.0175 * share**4)  # of a solid rectangle, within 0.5 %
-    return max(height, width) * thin**3 * (1.0 / 3.0 - slots)
 
 
 def lateral_torsional(
