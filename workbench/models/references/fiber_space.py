@@ -5,7 +5,7 @@ column does sideways is along z. Fibers lie in both directions; torsion is elast
 """
 
 from dataclasses import dataclass, replace
-from math import cos, radians, sin
+from math import cos, pi, sin
 from typing import ClassVar
 
 import numpy as np
@@ -31,10 +31,11 @@ from workbench.models.references.fiber import (
 )
 from workbench.models.references.fiber_beams import INTERPOLATED, SAMPLED
 from workbench.models.references.refine import REFINEMENT
-from workbench.responses import Response
+from workbench.models.seven_dof.model import about, torsion_constants
+from workbench.responses import Finding, Response, finding
 from workbench.scenarios import ColumnImpact, ColumnScenario, Frame, FrameScenario
 from workbench.steel.hinges import BiaxialSurface
-from workbench.steel.sections.slenderness import torsion_constant
+from workbench.steel.sections import AXES
 
 
 class SpaceMembers(FiberMembers):
@@ -71,13 +72,11 @@ class FiberSpace(FiberReference):
         Number(1e-9, 0.1), 1e-6, help="regularising hardening over the elastic modulus"
     )
     refinement: int = checked(REFINEMENT, 1, help="how often all elements and steps are halved")
-    direction: float = checked(
-        Number(0.0, 90.0, "deg"), 0.0, help="of the hit, from the height of the section"
-    )
 
     name: ClassVar[str] = "fiber-space"
     version: ClassVar[int] = 1
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
+    spatial: ClassVar[bool] = True
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections; cubic deflections between nodes; large displacements and rotations.",
         "Elastic-perfectly plastic fibers, plasticity from normal stress alone.",
@@ -96,31 +95,47 @@ class FiberSpace(FiberReference):
         """Sizes of elements where no option gives them."""
         return CLASSICAL_RULE
 
+    def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
+        """Findings of all fibers, buckling about the weaker axis, and a face with friction."""
+        assert isinstance(scenario, ColumnImpact)
+        columns = [about(scenario.column, axis) for axis in AXES]
+        weaker = min(columns, key=lambda column: column.euler_load(column.axis))
+        findings = super().domain(scenario.unchecked(column=weaker))
+        friction = scenario.striker.friction
+        if friction > 0.0:
+            findings.append(finding("face-friction", friction, name=self.name))
+        return findings
+
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
         """Answer a scenario that is in the domain; raises as `FrameModel.solve`."""
         return self.run(as_frame(scenario), self.structure(scenario))
 
     def structure(self, scenario: ColumnScenario | FrameScenario) -> FrameStructure:
         """The column under its dead loads. Raises `SolverError`."""
-        frame = as_frame(scenario).frame
+        assert isinstance(scenario, ColumnImpact)
+        column = about(scenario.column, "strong")
+        angle = scenario.striker.angle + (0.5 * pi if scenario.column.axis == "weak" else 0.0)
+        frame = as_frame(scenario.unchecked(column=column)).frame
         mesh = mesh_frame(frame, self.lengths(scenario))
-        beams = self.fibers(frame, mesh)
+        beams = self.fibers(frame, mesh, angle)
         flat = np.zeros((len(mesh.coordinates), 1))
         assembly = SpaceAssembly(np.concatenate([mesh.coordinates, flat], axis=1), [beams])
-        for number, node in enumerate(frame.nodes):
-            if "u" in node.held:
-                across = ["w", "turn_y", *(["turn_x"] if "rotation" in node.held else [])]
-                assembly.hold([assembly.dof(number, component) for component in across])
+        base, hit, head = (frame.number[name] for name in ("base", "hit", "head"))
+        for number, end in zip((base, head), column.ends_about("weak"), strict=True):
+            turn = [] if end == "pinned" else ["turn_x"]
+            assembly.hold([assembly.dof(number, name) for name in ("w", "turn_y", *turn)])
         members = SpaceMembers(frame, mesh, beams, self.sampled)
-        column = as_column(apply_dead_loads(frame, assembly, members))
-        hit = frame.number["hit"]
-        beside = {"sideways": (assembly.dof(hit, "w"), 1.0)}
-        beside["twist"] = assembly.dof(hit, "turn_y"), 1.0
-        return replace(column, watched={**column.watched, **beside})
+        structure = as_column(apply_dead_loads(frame, assembly, members))
+        beside = {"sideways": assembly.dof(hit, "w"), "twist": assembly.dof(hit, "turn_y")}
+        watched = {name: (dof, 1.0) for name, dof in beside.items()}
+        return replace(structure, watched={**structure.watched, **watched})
 
-    def fibers(self, frame: Frame, mesh: FrameMesh) -> SpaceBeams:
-        """Co-rotational beams, the height of whose section is turned away from the hit."""
-        steel, member, turned = frame.steel, frame.members[0], radians(self.direction)
+    def fibers(self, frame: Frame, mesh: FrameMesh, angle: float = 0.0) -> SpaceBeams:
+        """Co-rotational beams, the height of whose section is turned from the hit by an `angle`.
+
+        Rotations of the supports are those about the axes of the section.
+        """
+        steel, member = frame.steel, frame.members[0]
         section = frame.strength_section(member)
         places = space_fibers(section, self.layers)
         hardening = steel.hardening_modulus or self.hardening_ratio * steel.elastic_modulus
@@ -132,7 +147,10 @@ class FiberSpace(FiberReference):
             ),
             mass_per_length=frame.properties(member).mass_per_length,
             z=places.z,
-            torsion=steel.shear_modulus * torsion_constant(section.shape),
+            torsion=steel.shear_modulus * torsion_constants(section)[0],
         )
-        height = -cos(turned), 0.0, sin(turned)
-        return SpaceBeams(mesh.nodes, np.zeros_like(mesh.member), [fibers], height)
+        c, s = cos(angle), sin(angle)
+        supports = np.isin(mesh.nodes, [frame.number[name] for name in ("base", "head")])
+        turned = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
+        axes = np.where(supports[:, :, None, None], turned, np.eye(3))
+        return SpaceBeams(mesh.nodes, np.zeros_like(mesh.member), [fibers], (-c, 0.0, s), axes=axes)

@@ -147,23 +147,6 @@ def torsion_of(shape: ISection) -> tuple[float, float, float]:
     return weak, twist, t * b**3 / 24.0 * (h - t) ** 2
 
 
-def torsion_constant(shape: Shape) -> float:
-    """Torsion constant I_t of St Venant in m4; of hollow sections by Bredt, walls included."""
-    if isinstance(shape, ISection):
-        return torsion_of(shape)[1]
-    if isinstance(shape, CircularTube):
-        outer = 0.5 * shape.diameter
-        return 0.5 * pi * (outer**4 - (outer - shape.wall) ** 4)
-    height, width = shape.height, shape.width
-    if isinstance(shape, RectangularTube):
-        t = shape.wall
-        around = 2.0 * (height + width - 2.0 * t)
-        return 4.0 * ((height - t) * (width - t)) ** 2 * t / around + around * t**3 / 3.0
-    thin, share = min(height, width), min(height, width) / max(height, width)
-    slots = share * (0.21 - 0.0175 * share**4)  # of a solid rectangle, within 0.5 %
-    return max(height, width) * thin**3 * (1.0 / 3.0 - slots)
-
-
 def lateral_torsional(
     shape: ISection, steel: Steel, length: float, moment: float
 ) -> LateralBuckling:
