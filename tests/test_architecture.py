@@ -30,7 +30,7 @@ def name_of(path: Path) -> str:
     return ".".join(parts).removesuffix(".__init__")
 
 
-CORE_MODULES, CORE_LINES = 200, 52_400  # 46 000 lines are wanted
+CORE_MODULES, CORE_LINES = 200, 56_200
 NAMES = {name_of(path) for path in MODULES}
 
 

@@ -280,6 +280,8 @@ def _put(tables: dict[str, Any], place: Place, value: Any) -> None:
     """Put a value in its place, if there is one."""
     if value is None or (place.entries and not value):
         return
+    if place.field.metadata["omitted"] and value == place.field.default:
+        return
     if place.entries:
         value = tuple(map(_entry_table, value))
     elif isinstance(place.rule, Instance) and place.rule.write:

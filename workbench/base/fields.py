@@ -213,15 +213,18 @@ def checked(
     optional: bool = False,
     path: str = "",
     compare: bool = True,
+    omitted: bool = False,
     help: str = "",
 ) -> Any:
     """Declare a dataclass field held to `rule`; `optional` also allows None, its default then.
 
     `path` is the key's path in a scenario file where it differs from ``table.field``; `compare`,
-    whether it takes part in comparisons; `help`, what it means, where its name and rule do not
-    say it.
+    whether it takes part in comparisons; `omitted`, whether files leave it out at its default, so
+    that a field that is added leaves the hashes of scenarios alone; `help`, what it means, where
+    its name and rule do not say it.
     """
     metadata = {"rule": rule, "optional": optional, "path": path, "help": help}
+    metadata["omitted"] = omitted
     if optional and default is dataclasses.MISSING:
         default = None
     return dataclasses.field(default=default, metadata=metadata, compare=compare)

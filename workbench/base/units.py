@@ -6,6 +6,7 @@ A unit is a product of names with powers, divided by at most one such product: `
 
 import re
 from fractions import Fraction
+from math import pi
 
 Size = tuple[Fraction, tuple[int, int, int]]  # value in SI, powers of kg, m and s
 
@@ -18,6 +19,7 @@ _NAMES: dict[str, Size] = {
         *(("m", "1", (0, 1, 0)), ("cm", "1/100", (0, 1, 0)), ("mm", "1/1000", (0, 1, 0))),
         *(("km", "1000", (0, 1, 0)), ("s", "1", (0, 0, 1)), ("ms", "1/1000", (0, 0, 1))),
         *(("h", "3600", (0, 0, 1)), ("Hz", "1", (0, 0, -1)), ("rad", "1", (0, 0, 0))),
+        ("deg", str(pi / 180.0), (0, 0, 0)),
         *(("N", "1", (1, 1, -2)), ("kN", "1000", (1, 1, -2)), ("MN", "1000000", (1, 1, -2))),
         *(("Pa", "1", (1, -1, -2)), ("kPa", "1000", (1, -1, -2)), ("J", "1", (1, 2, -2))),
         *(("MPa", "1000000", (1, -1, -2)), ("GPa", "1000000000", (1, -1, -2))),
@@ -33,6 +35,7 @@ _EVERYDAY = {  # unit: sizes from which on a factor and a name are used, falling
     "Pa": ((1e9, 1e-9, "GPa"), (0.0, 1e-6, "MPa")),
     **{unit: ((0.0, 1e-3, f"k{unit}"),) for unit in ("N", "N/m", "N m", "J", "N m/rad")},
     "N or N/m": ((0.0, 1e-3, "kN or kN/m"),),
+    "rad": ((0.0, 180.0 / pi, "deg"),),
     "m2": ((0.0, 1e4, "cm2"),),
     "m4": ((0.0, 1e8, "cm4"),),
 }

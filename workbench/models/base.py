@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cache, lru_cache
 from importlib.metadata import EntryPoint
 from itertools import filterfalse
+from math import degrees
 from operator import attrgetter
 from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
@@ -21,7 +22,7 @@ from workbench.base.errors import CollapseError, InputError, OutOfDomainError, S
 from workbench.base.fields import Declared, check_keys, did_you_mean
 from workbench.base.offered import offered
 from workbench.mechanics.frames.elastic import linear_algebra
-from workbench.models.domain import eccentric, implausible, unused_inputs
+from workbench.models.domain import implausible, unused_inputs
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import (
     VARIABLES,
@@ -53,7 +54,8 @@ class Model(Protocol):
     `name` and `version` (raised when its numbers change) identify it; `answers` lists scenario
     kinds; `assumptions` are sentences. A model that knows strain rate or hardening by itself has a
     `material` that names them; others run with `with_strain_rate`. Optional: `crushing`, whether it
-    answers strikers that crush; `unused`, see `unused_inputs`; for many, see `models.batch`.
+    answers strikers that crush; `spatial`, whether those that hit off the plane of bending, and
+    `eccentric`, off the shear centre; `unused`, see `unused_inputs`; for many, see `models.batch`.
     """
 
     name: ClassVar[str]
@@ -126,10 +128,20 @@ def findings_before(model: Model, scenario: Any, left_out: Sequence[Finding]) ->
     With what it has `left_out` of the steel, see `with_strain_rate`.
     """
     findings = [*model.domain(scenario), *implausible(scenario), *unused_inputs(model, scenario)]
-    findings += [*left_out, *eccentric(model, scenario)]
+    findings += left_out
     striker = getattr(scenario, "striker", None)
-    if striker is not None and striker.crushes and not getattr(model, "crushing", False):
+    return findings + ([] if striker is None else striker_findings(model, striker))
+
+
+def striker_findings(model: Any, striker: Striker) -> list[Finding]:
+    """Refusals of a striker that crushes, or hits off plane or centre, which a model lacks."""
+    findings = []
+    if striker.crushes and not getattr(model, "crushing", False):
         findings.append(finding("rigid-striker-alone", name=model.name))
+    if striker.angle and not getattr(model, "spatial", False):
+        findings.append(finding("off-plane", degrees(striker.angle), name=model.name))
+    if striker.eccentricity and not getattr(model, "eccentric", False):
+        findings.append(finding("eccentricity", striker.eccentricity, name=model.name))
     return findings
 
 

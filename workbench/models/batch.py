@@ -24,8 +24,7 @@ import pandas as pd
 from workbench.base.arrays import Array, Indices
 from workbench.base.errors import CollapseError, InputError, message_of
 from workbench.mechanics.frames.elastic import linear_algebra
-from workbench.models.base import Model, on_one_mesh
-from workbench.models.domain import eccentric
+from workbench.models.base import Model, on_one_mesh, striker_findings
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import SCALARS, Outcome, failure_message, outcome_of, scalars_of
 from workbench.scenarios import Scenario
@@ -106,10 +105,8 @@ def simulate_many(
 def admitted(model: Any, scenario: Any) -> Any:
     """The scenario that a model solves in place of an impact; None where it refuses."""
     solved, _, left_out = with_strain_rate(model, scenario)
-    rigid_alone = scenario.striker.crushes and not getattr(model, "crushing", False)
-    findings = *model.domain(scenario), *left_out, *eccentric(model, scenario)
-    refusals = (each.refusal for each in findings)
-    return None if rigid_alone or any(refusals) else solved
+    findings = *striker_findings(model, scenario.striker), *model.domain(scenario), *left_out
+    return None if any(each.refusal for each in findings) else solved
 
 
 @contextmanager
@@ -156,8 +153,7 @@ def _parts(
         left.append(np.arange(len(scenarios)))
         return
     for rows, stack in stacks(scenarios):
-        eccentric_rows = stack is not None and stack.eccentricity is not None  # one by one
-        if stack is None or eccentric_rows or not model.stackable(stack):
+        if stack is None or striker_findings(model, stack.striker) or not model.stackable(stack):
             left.append(rows)
             continue
         for k in range(0, len(rows), CHUNK):

@@ -206,6 +206,7 @@ def _with_bar(estimate: ColumnEstimate, limit: float | None) -> FrameImpact:
             area=stiffness * length / modulus,
             squash_load=largest if limit is None else min(limit, largest),
             mass_per_length=max(mass, OVERRIDES["mass_per_length"].low),
+            axis=column.axis,
         )
     except InputError as error:
         raise OutOfDomainError(f"no bar can stand for the restraint: {error}") from error

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from functools import lru_cache
-from math import pi
 from typing import Any
 
 import numpy as np
@@ -132,9 +131,7 @@ _EULER_WARNING = 0.5  # share of the Euler load above which second-order effects
 def euler_load(column_scenario: ColumnScenario) -> float:
     """Elastic critical load of the whole column in the plane of the impact, in N."""
     column = column_scenario.column
-    bending = column.steel.elastic_modulus * column.properties.second_moment
-    buckling_length = column.effective_length_factor() * column.length
-    return pi**2 * bending / buckling_length**2
+    return column.euler_load(column.axis)
 
 
 def buckles(scenario: ColumnScenario) -> Any:
@@ -186,9 +183,15 @@ def member_findings(scenario: ColumnScenario | FrameScenario) -> list[Finding]:
 
 
 def buckling_findings(scenario: ColumnScenario) -> list[Finding]:
-    """Refusal of an axial load above the Euler load, warning of one above half of it."""
-    findings = []
-    load, critical = scenario.column.axial_load, euler_load(scenario)
+    """Refusal of an axial load above the Euler load, warning of one above half of it.
+
+    And of one that buckles the column out of the plane of the impact before it is hit.
+    """
+    findings, column = [], scenario.column
+    load, critical = column.axial_load, euler_load(scenario)
+    weak = column.euler_load("weak")
+    if column.axis == "strong" and weak <= load < critical:
+        findings.append(finding("euler-weak", load / weak, load=load / 1e3, critical=weak / 1e3))
     if load >= critical:
         findings.append(
             finding("euler-reached", load / critical, load=load / 1e3, critical=critical / 1e3)
@@ -322,14 +325,6 @@ def strength_ratio(surface: ShearSurface, properties: MemberProperties) -> Any:
     axial = surface.squash_load / properties.squash_load
     ratio: Any = np.where(abs(axial - 1.0) > abs(moment - 1.0), axial, moment)[()]
     return ratio
-
-
-def eccentric(model: Any, scenario: Scenario) -> list[Finding]:
-    """Refusal of a hit beside the shear centre by a model that knows none (`eccentric`)."""
-    away = getattr(scenario, "eccentricity", None)
-    if not away or getattr(model, "eccentric", False):
-        return []
-    return [finding("eccentricity", away, name=model.name)]
 
 
 def implausible(scenario: Scenario) -> list[Finding]:

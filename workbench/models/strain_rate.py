@@ -18,7 +18,7 @@ from workbench.mechanics.frames.structure import joint_surface
 from workbench.models.domain import mechanism_demand
 from workbench.responses import Finding, finding
 from workbench.scenarios import ColumnImpact, Frame, FrameImpact
-from workbench.steel.hinges import ShearSurface, YieldSurface, has_shear_surface
+from workbench.steel.hinges import ShearSurface, YieldSurface, has_bar_law
 from workbench.steel.hinges.panel_elements import (
     bar_law,
     hinge_overstress,
@@ -166,7 +166,7 @@ def about_bars(frame: Frame) -> list[Finding]:
     """Refusals of members that cannot flow as bars: their section, joints that are weaker."""
     for member in frame.members:
         section, p = frame.strength_section(member), frame.properties(member)
-        if not has_shear_surface(section):
+        if not has_bar_law(section):
             return [finding("no-plane-webs", name=section.name)]
         surface = YieldSurface(p.squash_load, p.plastic_moment)
         for joint in frame.joints_of(member):

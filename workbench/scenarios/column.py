@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from math import pi
 from typing import Any, ClassVar, Self
 
 from workbench.base.fields import Choice, Declared, Flag, Instance, Many, Number, Text, checked
@@ -21,7 +22,7 @@ from workbench.scenarios.parts import (
     stronger,
 )
 from workbench.steel.materials import MadeOfSteel, Steel
-from workbench.steel.sections import SECTION, Section
+from workbench.steel.sections import AXES, SECTION, Section
 
 MASS = Number(1e-3, 1e7, "kg")
 VELOCITY = Number(1e-6, 300.0, "m/s", advice="velocities are in m/s, not km/h")
@@ -75,6 +76,27 @@ class Column(MadeOfSteel, table="column"):
         SPRING, 0.0, help="axial spring at the head, unstressed once the axial load is on"
     )
     head_mass: float = checked(Number(0.0, 1e7, "kg"), 0.0)
+    axis: str = checked(
+        Choice(AXES),
+        "strong",
+        omitted=True,
+        help="about which it bends: strong, hit along the web; weak, hit along the flanges",
+    )
+    base_weak: str | None = checked(
+        Choice(("clamped", "pinned"), CLAMPED_HINT),
+        optional=True,
+        help="the base about the weak axis, as base unless given",
+    )
+    head_weak: str | None = checked(
+        Choice(("guided", "pinned")),
+        optional=True,
+        help="the head about the weak axis, as head unless given",
+    )
+    unbraced_length: float | None = checked(
+        LENGTH,
+        optional=True,
+        help="between braces against buckling about the weak axis, else by length and ends",
+    )
     area: float | None = override("area")
     second_moment: float | None = override("second_moment")
     plastic_moment: float | None = override("plastic_moment")
@@ -87,7 +109,14 @@ class Column(MadeOfSteel, table="column"):
     )
 
     def check(self) -> None:
-        """Refuse loads above the squash load and columns that are no beams."""
+        """Turn the section to its axis; refuse loads above the squash load, columns no beams."""
+        object.__setattr__(self, "section", self.section.about(self.axis))
+        if self.head == "fixed" and self.head_weak == "pinned":
+            text = "cannot be pinned where the head is fixed, which holds its rotation"
+            raise self.refusal("head_weak", text, "drop it, or take a pinned head")
+        if self.axis == "weak" and self.unbraced_length is not None:
+            text = "must be left out with axis = weak: a brace would hold what the hit bends"
+            raise self.refusal("unbraced_length", text, "model the braced part alone")
         if self.is_squashed:
             squash = self.properties.squash_load
             text = f"must stay below the squash load {squash:.6g} N in tension and compression"
@@ -132,17 +161,42 @@ class Column(MadeOfSteel, table="column"):
     @property
     def bars(self) -> dict[str, tuple[float, bool]]:
         """Length (m) of the segment below and above, and whether its far end is clamped."""
-        below = self.length_below, self.base == "clamped"
-        return {"below": below, "above": (self.length_above, self.head != "pinned")}
+        base, head = self.ends
+        return {
+            "below": (self.length_below, base == "clamped"),
+            "above": (self.length_above, head != "pinned"),
+        }
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        """Base and head in the plane of bending."""
+        return self.ends_about(self.axis)
+
+    def ends_about(self, axis: str) -> tuple[str, str]:
+        """Base and head about the strong or weak axis."""
+        if axis == "strong":
+            return self.base, self.head
+        return self.base_weak or self.base, self.head_weak or self.head
 
     def stronger(self, factor: float) -> Column:
         """Return the column with another yield stress; strengths that are given grow alike."""
         return self.changed(steel=self.steel.stronger(factor), **stronger(self, factor))
 
-    def effective_length_factor(self) -> float:
-        """Euler effective-length factor of the whole column: 0.5, 0.7 or 1."""
-        clamps = (self.base == "clamped") + (self.head != "pinned")
+    def effective_length_factor(self, axis: str | None = None) -> float:
+        """Euler effective-length factor of the whole column about an axis: 0.5, 0.7 or 1."""
+        base, head = self.ends_about(axis or self.axis)
+        clamps = (base == "clamped") + (head != "pinned")
         return {2: 0.5, 1: 0.699156, 0: 1.0}[clamps]
+
+    def euler_load(self, axis: str) -> float:
+        """Elastic critical load (N) about an axis; that of bending has the given second moment."""
+        second = self.section.about(axis).second_moment
+        if axis == self.axis:
+            second = self.properties.second_moment
+        length = self.effective_length_factor(axis) * self.length
+        if axis == "weak" and self.unbraced_length is not None:
+            length = self.unbraced_length
+        return pi**2 * self.steel.elastic_modulus * second / length**2
 
 
 @dataclass(frozen=True)
@@ -167,6 +221,18 @@ class Striker(Declared, table="striker"):
         CrushLaw(Many(Number(0.0, 1e12), 2, 2), 2, MOST_POINTS),
         optional=True,
         help="from [0, 0] on, straight between its points, behind the last one its force",
+    )
+    angle: float = checked(
+        Number(0.0, 0.5 * pi, "rad", advice='angles are in rad, or texts: "30 deg"'),
+        0.0,
+        omitted=True,
+        help="of the hit off the height of the section; 90 deg is along its flanges",
+    )
+    eccentricity: float = checked(
+        Number(-2.5, 2.5, "m", advice="lengths are in metres, not millimetres"),
+        0.0,
+        omitted=True,
+        help="of its line from the shear centre, to the left of who flies along it",
     )
 
     def check(self) -> None:
@@ -208,7 +274,9 @@ class Striker(Declared, table="striker"):
     @property
     def alone(self) -> Striker:
         """The striker without the place that it hits."""
-        return Striker(self.mass, self.velocity, self.restitution, self.stiffness, self.crush)
+        place = self.angle, self.eccentricity
+        blow = self.mass, self.velocity, self.restitution
+        return Striker(*blow, self.stiffness, self.crush, *place)
 
 
 class Impact:
@@ -304,12 +372,13 @@ class ColumnImpact(Impact, Weighed, Declared, table="time"):
         SENSE, optional=True, path="striker.direction", help="of its flight, horizontal by default"
     )
     gravity: bool | None = checked(Flag(), optional=True, path="gravity", help=WEIGHS)
-    eccentricity: float | None = checked(
-        Number(-2.5, 2.5, "m", advice="lengths are in metres, not millimetres"),
-        optional=True,
-        path="striker.eccentricity",
-        help="of its line from the shear centre, across its flight, 0 by default",
-    )
+
+    def check(self) -> None:
+        """Refuse gravity across what acts, and an angle to an axis that is given already."""
+        super().check()
+        if self.striker.angle and self.column.axis == "weak":
+            text = "must be left out with axis = weak, which is a hit along the flanges"
+            raise self.striker.refusal("angle", text, "drop one of them")
 
     KIND: ClassVar[str] = "column-impact"
     READING: ClassVar[int] = 2  # raised when what all models read off their histories changes

@@ -37,7 +37,7 @@ from workbench.scenarios.parts import (
     stronger,
 )
 from workbench.steel.materials import MadeOfSteel, Steel
-from workbench.steel.sections import SECTION, Section
+from workbench.steel.sections import AXES, SECTION, Section
 
 ROUNDING = 1.0 - 1e-9  # a length that is computed from coordinates
 APART = 1e-6  # m; nodes closer than this are in one place
@@ -381,6 +381,7 @@ class RegularForm(Declared, table="frame"):
     beam: Section = checked(SECTION)
     base: str = checked(Choice(("clamped", "pinned")), "clamped")
     beam_joint: str = checked(NAME, RIGID.name)
+    column_axis: str = checked(Choice(AXES), "strong", help="about which columns bend")
 
     def frame(self, steel: Steel, fillets: bool, joints: Sequence[Joint]) -> Frame:
         """Return the frame, its beams joined by one of `joints`. Raises `InputError`."""
@@ -395,7 +396,8 @@ class RegularForm(Declared, table="frame"):
         columns = [(f"{axis}{i}", f"{axis}{i + 1}") for axis in axes for i in levels[:-1]]
         beams = [(f"{a}{i}", f"{b}{i}") for i in levels[1:] for a, b in pairwise(axes)]
         joint = self.beam_joint
-        members = [Member(f"{a}-{b}", a, b, self.column) for a, b in columns]
+        axis = self.column_axis
+        members = [Member(f"{a}-{b}", a, b, self.column, axis=axis) for a, b in columns]
         members += [Member(f"{a}-{b}", a, b, self.beam, joint, joint) for a, b in beams]
         return Frame(tuple(nodes), tuple(members), (), tuple(joints), steel, fillets)
 
@@ -460,6 +462,7 @@ def regular_frame(
     fillets: bool = True,
     beam_joint: str | Joint = RIGID.name,
     joints: Sequence[Joint] = (),
+    column_axis: str = "strong",
 ) -> Frame:
     """Return a frame of columns on axes A, B, ... and of beams on every level above the ground.
 
@@ -482,6 +485,8 @@ def regular_frame(
         Joint at both ends of every beam, or the name of one: rigid, pinned or of `joints`.
     joints : sequence of Joint
         Further joints.
+    column_axis : str
+        Axis about which the columns bend, ``"strong"`` or ``"weak"``.
 
     Returns
     -------
@@ -501,5 +506,5 @@ def regular_frame(
     """
     if isinstance(beam_joint, Joint):
         joints, beam_joint = (*joints, beam_joint), beam_joint.name
-    form = RegularForm(tuple(bays), tuple(storeys), column, beam, base, beam_joint)
+    form = RegularForm(tuple(bays), tuple(storeys), column, beam, base, beam_joint, column_axis)
     return form.frame(Steel() if steel is None else steel, fillets, joints)

@@ -300,12 +300,13 @@ def frame_of(column: Column) -> Frame:
     Its axial load is a dead load on the head, its restraint a spring there. Members carry their
     own mass; of an `impact_mass` the impact point has what is attached beside a third of that.
     """
-    head = Node("head", 0.0, column.length, HEADS[column.head], column.head_mass)
+    base_support, head_support = column.ends
+    head = Node("head", 0.0, column.length, HEADS[head_support], column.head_mass)
     locked = "y" if column.head == "fixed" else "none"
     head = replace(head, spring_y=column.restraint_stiffness, locked=locked)
-    base, place = Node("base", 0.0, 0.0, column.base), (0.0, column.length_below)
+    base, place = Node("base", 0.0, 0.0, base_support), (0.0, column.length_below)
     hit = Node("hit", *place, mass=column.attached_mass)
-    overrides = {name: getattr(column, name) for name in OVERRIDES}
+    overrides = {name: getattr(column, name) for name in (*OVERRIDES, "axis")}
     members = (
         Member("below", "base", "hit", column.section, **overrides),
         Member("above", "hit", "head", column.section, **overrides),

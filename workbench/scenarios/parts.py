@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from workbench.base.fields import Choice, Declared, Many, Number, Text, checked
 from workbench.steel.materials import Steel
-from workbench.steel.sections import SECTION, Section
+from workbench.steel.sections import AXES, SECTION, Section
 
 NAME = Text(60, label=True)
 COORDINATE = Number(-1e4, 1e4, "m", advice="coordinates are in metres, not millimetres")
@@ -200,7 +200,7 @@ PREDEFINED = {joint.name: joint for joint in (RIGID, PINNED)}
 
 @dataclass(frozen=True)
 class Member(Declared, table="member", label="name"):
-    """A straight member between two nodes, bent about its strong axis.
+    """A straight member between two nodes, bent about its strong axis, or its weak one.
 
     Its internal moment is positive where it stretches the fibers on the right of somebody who
     looks from start to end.
@@ -224,9 +224,11 @@ class Member(Declared, table="member", label="name"):
     plastic_moment: float | None = override("plastic_moment")
     squash_load: float | None = override("squash_load")
     mass_per_length: float | None = override("mass_per_length")
+    axis: str = checked(Choice(AXES), "strong", help="about which it bends in the plane")
 
     def check(self) -> None:
-        """Refuse a member from a node to itself."""
+        """Turn the section to its axis; refuse a member from a node to itself."""
+        object.__setattr__(self, "section", self.section.about(self.axis))
         if self.start == self.end:
             raise self.refusal("end", "must be another node than the start")
 

@@ -26,7 +26,12 @@ from workbench.steel.materials import Steel
 
 Path_ = tuple[str | int, ...]
 _PARTS: dict[str, Any] = {"column": Column, "steel": Steel, "striker": Striker}
-_LAWS = ("stiffness", "hardening_modulus")  # with them, or without: other equations
+_LAWS = (
+    "stiffness",
+    "hardening_modulus",
+    "angle",
+    "eccentricity",
+)  # with them, or without: other equations
 NUMBERS: dict[Path_, Number] = {  # of struck columns, that may differ within a stack
     (table, field.name): field.metadata["rule"]
     for table, kind in {**_PARTS, "time": ColumnImpact}.items()
@@ -234,10 +239,13 @@ def _same(scenario: Scenario) -> Any:
     if not isinstance(scenario, ColumnImpact) or scenario.striker.crushes:
         return None
     column, steel = scenario.column, scenario.column.steel
-    given = tuple(getattr(column, name) is None for name in (*OVERRIDES, "impact_mass"))
+    names = *OVERRIDES, "impact_mass", "unbraced_length"
+    given = tuple(getattr(column, name) is None for name in names)
     laws = steel.rate, steel.hardening_modulus
-    ends = column.base, column.head, scenario.acceleration
-    return column.section, column.fillets, *ends, laws, given
+    ends = column.axis, *column.ends, *column.ends_about("weak")
+    striker = scenario.striker
+    directions = scenario.acceleration, striker.angle, striker.eccentricity
+    return column.section, column.fillets, *ends, *directions, laws, given
 
 
 def _gathered(scenarios: Sequence[Any]) -> ColumnImpact:

@@ -219,7 +219,7 @@ def _column(
             axial_load=-axial,
             restraint_stiffness=0.0 if flexibility in (0.0, inf) else 1.0 / flexibility,
             head_mass=0.0 if flexibility == 0.0 else mass_of_head(head_mass, line, shape),
-            **{key: getattr(member, key) for key in OVERRIDES},
+            **{key: getattr(member, key) for key in (*OVERRIDES, "axis")},
         )
         if extra > 0.0:
             column = replace(column, impact_mass=column.properties.impact_mass + extra)

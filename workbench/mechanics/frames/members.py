@@ -14,8 +14,9 @@ from workbench.mechanics.structures.fibers.section import BeamSection, LinearHar
 from workbench.responses import Finding, Response, finding
 from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, FrameStatic, Member
 from workbench.scenarios.parts import MemberEnd, Node
+from workbench.steel.hinges.interaction import SHEARED
 from workbench.steel.materials import Steel
-from workbench.steel.sections import CircularTube, ISection, Rectangle, Section
+from workbench.steel.sections import CircularTube, ISection, Rectangle, Section, TurnedISection
 
 STRAIGHT = 1e-6  # sine of the largest kink
 NAMED = 4  # members that a sentence names
@@ -162,16 +163,16 @@ def override_findings(
 
 def residual_findings(frame: Frame, pattern: str) -> list[Finding]:
     """Refusal of a `pattern` of residual stresses in sections that it is not known of."""
-    others = [m.name for m in frame.members if not isinstance(m.section.shape, ISection)]
+    kinds = ISection | TurnedISection
+    others = [m.name for m in frame.members if not isinstance(m.section.shape, kinds)]
     if pattern == "none" or not others:
         return []
     return [finding("residual-stress", pattern=pattern, members=named(others))]
 
 
 def shear_stiffness(section: Section, steel: Steel) -> float:
-    """Elastic shear stiffness of a section in N: G A_v, with 5/6 of A for a rectangle."""
-    share = 5.0 / 6.0 if isinstance(section.shape, Rectangle) else 1.0
-    return share * steel.shear_modulus * section.shear_area
+    """Elastic shear stiffness of a section in N: G A_v, of upright rectangles a share of it."""
+    return SHEARED.get(type(section.shape), 1.0) * steel.shear_modulus * section.shear_area
 
 
 @lru_cache(maxsize=256)
@@ -182,10 +183,11 @@ def shear_bound(section: Section) -> float:
     so that the bound depends on their share in the plastic modulus: 0.85 for HEB 220, 0.73 for
     IPE 300. Beams and solids in the study `shear_domain` reach 5 % there or up to 8 % later.
     Sections without flanges yield in shear at mid-height long before that rule says so: the bound
-    is what the study found for a square, also for circular tubes, which it does not hold.
+    is what the study found for a square, also for circular tubes, which it does not hold, and for
+    I sections bent about the weak axis.
     """
     shape = section.shape
-    if isinstance(shape, (Rectangle, CircularTube)):
+    if isinstance(shape, (Rectangle, CircularTube, TurnedISection)):
         return SOLID_BOUND
     web = shape.bands[0]
     share = web.width * web.top**2 / section.plastic_section_modulus

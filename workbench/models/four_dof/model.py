@@ -47,7 +47,13 @@ from workbench.responses import VARIABLES, Finding, Response, build_response, fi
 from workbench.responses.histories import balance_error
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario
 from workbench.scenarios.varied import spread
-from workbench.steel.hinges import ShearSurface, YieldSurface, has_shear_surface, has_webs
+from workbench.steel.hinges import (
+    ShearSurface,
+    YieldSurface,
+    has_bar_law,
+    has_shear_surface,
+    has_webs,
+)
 from workbench.steel.hinges.interaction import fitted_exponents
 from workbench.steel.hinges.panel_elements import bar_law, panel_law
 
@@ -381,7 +387,7 @@ class FourDof(RigidBars):
 
     def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:
         section = scenario.column.section
-        if flows(self, scenario.column.steel) and not has_shear_surface(section):
+        if flows(self, scenario.column.steel) and not has_bar_law(section):
             return [finding("no-plane-webs", name=section.name)]
         return shear_findings(scenario)
 

@@ -59,7 +59,7 @@ def _columns(impacts: Sequence[ColumnImpact]) -> str:
         steels=_values([each.steel.yield_stress for each in columns], 1e-6, "MPa"),
         places=[PAGE.words("place", below=a, above=b) for a, b in hits] if few else [],
         lengths="" if few else PAGE.words("lengths", whole=whole, below=_values(below, 1.0, "m")),
-        supports=list(dict.fromkeys(f"{c.base} below and {c.head} above" for c in columns)),
+        supports=list(dict.fromkeys("{} below and {} above".format(*c.ends) for c in columns)),
         load=_values([each.axial_load for each in columns], 1e-3, "kN"),
         springs=_values(springs, 1e-6, "kN/mm") if any(springs) else "",
         striker=_strikers([impact.striker for impact in impacts]),

@@ -39,7 +39,14 @@ from workbench.scenarios import (
     Scenario,
     frame_scenario,
 )
-from workbench.steel.sections import CircularTube, ISection, RectangularTube, Section
+from workbench.steel.sections import (
+    CircularTube,
+    ISection,
+    RectangularTube,
+    Section,
+    Shape,
+    TurnedISection,
+)
 
 _LEAST_DEPTH = 0.035  # inches that a member takes at least, so that it can be seen
 _WIDE, _HIGH, _UPRIGHT = 4.2, 2.9, 2.4  # inches that a frame, and a single column, may take
@@ -281,14 +288,18 @@ def dimension(panel: Axes, start: complex, end: complex, text: str) -> None:
 
 def cross_section(panel: Axes, section: Section, centre: complex, scale: float, color: str) -> None:
     """The section to `scale`, its height upright."""
-    loops = [Path(_pairs([*(centre + scale * z), 0.0]), closed=True) for z in _outlines(section)]
+    loops = [
+        Path(_pairs([*(centre + scale * z), 0.0]), closed=True) for z in _outlines(section.shape)
+    ]
     look: Style = {"facecolor": color, "edgecolor": INK, "linewidth": 0.9, "zorder": 3}
     panel.add_patch(PathPatch(Path.make_compound_path(*loops), **look))
 
 
-def _outlines(section: Section) -> Sequence[NDArray[np.complex128]]:
-    """Corners of a section around its centre in m: from outside, and of a tube from inside."""
-    shape, h, b = section.shape, section.height, section.width
+def _outlines(shape: Shape) -> Sequence[NDArray[np.complex128]]:
+    """Corners of a shape around its centre in m: from outside, and of a tube from inside."""
+    h, b = shape.height, shape.width
+    if isinstance(shape, TurnedISection):
+        return [1j * loop for loop in _outlines(shape.turned)]
     if isinstance(shape, ISection):
         # quarter of the outline from the flange tip to the web, fillet included
         r, middle = shape.fillet, shape.web / 2 + shape.fillet

@@ -362,7 +362,7 @@ WEB = np.dtype(
         ("half_web", float),  # half the height of the web, m
         ("half_height", float),  # half that of the section
         ("flanges", float),  # force per depth of both sides of the flanges, 2 b f_y, N/m
-        ("solid", np.uint8),  # a solid rectangle, all web: `solid_capacity`
+        ("solid", np.uint8),  # a solid rectangle beside a core, `flange_axial`: `solid_capacity`
     ]
 )
 
@@ -415,13 +415,15 @@ def strain_ratio(s):
 def solid_capacity(web, N, rho):
     """`moment_capacity` of a solid rectangle with one shear rate and plane sections.
 
+    A core on its axis takes what it can of N first, and carries no moment.
+
     With the strain rate (e + eta) and the shear rate g sqrt(3) over the height, -1 <= eta <= 1, the
     von Mises stresses integrate in elliptic coordinates e = cosh mu cos nu, g = sinh mu sin nu to
     n = cos nu, v = q s(mu) and m = q^2 t(mu), q^2 = 1 - n^2, with s = L sinh mu,
     t = cosh mu - s sinh mu. Of C = M_pl t(s) q^2 all derivatives follow from dt/ds = -2 sinh mu.
     """
     Np, Mp = web.web_axial, web.web_moment
-    n, v = min(N / Np, 1.0 - 1e-15), np.sqrt(max(1.0 - rho * rho, 0.0))
+    n, v = min(max(N - web.flange_axial, 0.0) / Np, 1.0 - 1e-15), np.sqrt(max(1.0 - rho * rho, 0.0))
     q2 = 1.0 - n * n
     s = min(v / np.sqrt(q2), 1.0 - 1e-12)
     mu, L = strain_ratio(s)
@@ -430,6 +432,8 @@ def solid_capacity(web, N, rho):
     ds = max(cosh * L - 1.0, 1e-30)  # ds / dmu
     CN, Cr = -2.0 * Mp / Np * n * cosh, 2.0 * Mp * rho / L
     CNN = -2.0 * Mp / Np**2 * (cosh + n * n * sinh * s / (q2 * ds))
+    if web.flange_axial > N:  # the core takes all of it
+        CNN = 0.0
     CNr = 2.0 * Mp / Np * n * rho / (q2 * L * ds)
     Crr = 2.0 * Mp * (1.0 / L - rho * rho / (L**3 * sinh * sinh * q2 * ds))
     return Mp * q2 * t, CN, Cr, CNN, CNr, Crr

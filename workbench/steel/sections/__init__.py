@@ -12,9 +12,11 @@ from workbench.steel.sections.reading import section_from as section_from
 from workbench.steel.sections.reading import section_value as section_value
 from workbench.steel.sections.reading import square as square
 from workbench.steel.sections.reading import square_tube as square_tube
+from workbench.steel.sections.section import AXES as AXES
 from workbench.steel.sections.section import CircularTube as CircularTube
 from workbench.steel.sections.section import ISection as ISection
 from workbench.steel.sections.section import Rectangle as Rectangle
 from workbench.steel.sections.section import RectangularTube as RectangularTube
 from workbench.steel.sections.section import Section as Section
 from workbench.steel.sections.section import Shape as Shape
+from workbench.steel.sections.section import TurnedISection as TurnedISection

@@ -254,6 +254,7 @@ def section_from(value: object, path: str = "section") -> Section:
 
 def section_value(section: Section) -> str | dict[str, float]:
     """Return the value that `section_from` turns back into a section: its name or dimensions."""
+    section = section.about("strong")  # the axis is a field of what it is the section of
     known = profiles().get(section.name) == section.shape
     return section.name if known else section.shape.dimensions
 

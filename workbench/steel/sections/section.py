@@ -1,6 +1,6 @@
 """A cross section: its name, its shape and what follows from them.
 
-Shapes of cross sections, bent about the strong axis; heights run from the centroid.
+Shapes of cross sections in the plane of bending; heights run from the centroid.
 
 All are doubly symmetric, so each states the layers of its upper half only. A shape is a sum of
 bands: horizontal slices whose width is a constant plus a circular term. That covers plates, tubes,
@@ -12,7 +12,7 @@ Exact plastic interaction of axial force and moment, and its super-elliptic fit.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cache, cached_property
 from math import pi, sin
 from typing import ClassVar
@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from workbench.base.arrays import Array, Flags
 from workbench.base.errors import InputError, SolverError
-from workbench.base.fields import Declared, Instance, Number, Text, checked
+from workbench.base.fields import Choice, Declared, Instance, Number, Text, checked
 from workbench.steel.materials import Steel
 
 DIMENSION = Number(0.002, 5.0, "m", advice="lengths are in metres, not millimetres")
@@ -120,6 +120,11 @@ class Shape(Declared, table="section"):
         raise NotImplementedError
 
     @property
+    def turned(self) -> Shape:
+        """The shape turned by 90 degrees: bent about its other axis."""
+        raise NotImplementedError
+
+    @property
     def shear_area(self) -> float:
         """Area of what stands upright, between the centre lines of what lies across, in m2."""
         upright, across = self.plates
@@ -186,6 +191,11 @@ class ISection(Shape):
         """Thickness of web and flange."""
         return self.web, self.flange
 
+    @property
+    def turned(self) -> TurnedISection:
+        """The section bent about its weak axis."""
+        return TurnedISection(self.width, self.height, self.web, self.flange, self.fillet)
+
     def layers(self, half_count: int) -> tuple[Layers, ...]:
         """Web and flange layered separately, fillet strips on top of the web's."""
         plates = super().layers(half_count)
@@ -194,6 +204,44 @@ class ISection(Shape):
         clear, r = self.height / 2.0 - self.flange, self.fillet
         # Width 2 (r - sqrt(r^2 - x^2)), x the distance from the web end of the fillet.
         fillets = Band(clear - r, clear, 2.0 * r, arc=-2.0, centre=clear - r, radius=r)
+        return (*plates, fillets.cut(max(1, round(0.2 * half_count))))
+
+
+@dataclass(frozen=True)
+class TurnedISection(Shape):
+    """I or H section bent about its weak axis: both flanges stand upright in the plane of bending.
+
+    `height` is the width of the flanges, `width` the height of the section; other arguments as
+    those of `ISection`, which checks them.
+    """
+
+    height: float = checked(DIMENSION)
+    width: float = checked(DIMENSION)
+    web: float = checked(DIMENSION)
+    flange: float = checked(DIMENSION)
+    fillet: float = checked(FILLET, 0.0)
+
+    WORD: ClassVar[str] = "I about the weak axis"
+
+    @property
+    def plates(self) -> tuple[float, float]:
+        """Thickness of both flanges; the web lies on the axis, at no end of them."""
+        return 2.0 * self.flange, 0.0
+
+    @property
+    def turned(self) -> ISection:
+        """The section bent about its strong axis."""
+        return ISection(self.width, self.height, self.web, self.flange, self.fillet)
+
+    def layers(self, half_count: int) -> tuple[Layers, ...]:
+        """Flanges first, then the web as one layer, then the fillets at its faces."""
+        core = Band(0.0, self.web / 2.0, self.width - 2.0 * self.flange)
+        plates = Band(0.0, self.height / 2.0, 2.0 * self.flange).cut(half_count), core.cut(1)
+        if self.fillet == 0.0:
+            return plates
+        r, end = self.fillet, self.web / 2.0 + self.fillet
+        # Width 2 (r - sqrt(r^2 - x^2)), x the distance from the end of the fillet.
+        fillets = Band(self.web / 2.0, end, 2.0 * r, arc=-2.0, centre=end, radius=r)
         return (*plates, fillets.cut(max(1, round(0.2 * half_count))))
 
 
@@ -210,6 +258,11 @@ class Rectangle(Shape):
     def plates(self) -> tuple[float, float]:
         """The whole width; nothing lies across."""
         return self.width, 0.0
+
+    @property
+    def turned(self) -> Rectangle:
+        """The rectangle with its sides exchanged."""
+        return Rectangle(self.width, self.height)
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:
         """Equal layers."""
@@ -239,6 +292,11 @@ class RectangularTube(Shape):
         """Thickness of both walls that stand upright, and of one across."""
         return 2.0 * self.wall, self.wall
 
+    @property
+    def turned(self) -> RectangularTube:
+        """The tube with its sides exchanged."""
+        return RectangularTube(self.width, self.height, self.wall)
+
 
 @dataclass(frozen=True)
 class CircularTube(Shape):
@@ -267,6 +325,11 @@ class CircularTube(Shape):
     def plates(self) -> tuple[float, float]:
         """Thickness of both walls that stand upright, and of one across."""
         return 2.0 * self.wall, self.wall  # the shear area of a thin tube, 2 A / pi
+
+    @property
+    def turned(self) -> CircularTube:
+        """The tube itself: all its axes are alike."""
+        return self
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:
         """Outer disc less inner disc; each layer subtends the same angle of the outer circle."""
@@ -363,16 +426,30 @@ def fit_superellipse(shape: Shape, points: int = 181) -> tuple[float, float]:
     return alpha, beta
 
 
+AXES = ("strong", "weak")
+_WEAK = ", weak axis"  # in the name of a turned section
 _LAYERS = Number(4, 10_000, integer=True)
 _POINTS = Number(3, 100_000, integer=True)
 
 
 @dataclass(frozen=True)
 class Section(Declared, table="section"):
-    """A doubly symmetric cross section bent about its strong axis; equal by its shape."""
+    """A doubly symmetric cross section in its plane of bending; equal by its shape.
+
+    `axis`: whether the `shape` is as named (strong) or turned by 90 degrees (weak).
+    """
 
     name: str = checked(Text(), compare=False, help="a label that takes no part in comparisons")
     shape: Shape = checked(Instance(Shape, "use find(name) or a constructor such as i_section"))
+    axis: str = checked(Choice(AXES), "strong", compare=False)
+
+    def about(self, axis: str) -> Section:
+        """Return the section bent about its strong or weak axis, which its name then says."""
+        if axis == self.axis:
+            return self
+        if axis == "weak":
+            return Section(self.name + _WEAK, self.shape.turned, axis)
+        return Section(self.name.removesuffix(_WEAK), self.shape.turned)
 
     @property
     def height(self) -> float:
@@ -396,7 +473,7 @@ class Section(Declared, table="section"):
 
     @property
     def second_moment(self) -> float:
-        """Second moment of area I about the strong axis, in m4."""
+        """Second moment of area I about the axis of bending, in m4."""
         return self._whole[2]
 
     @property
@@ -413,10 +490,11 @@ class Section(Declared, table="section"):
     def shear_area(self) -> float:
         """Area that carries plastic shear in the plane of bending, in m2.
 
-        I: t_w (h - t_f), the web between the flange centre lines; rectangle: A; rectangular
-        tube: 2 t (h - t); circular tube: 2 A / pi. EN 1993-1-1, 6.2.6(3) allows more for rolled
-        I sections, A - 2 b t_f + (t_w + 2 r) t_f, as it counts the fillets and the parts of the
-        flanges between them; the smaller web area matches what a plane-stress web can carry.
+        I: t_w (h - t_f), the web between the flange centre lines; about the weak axis 2 b t_f;
+        rectangle: A; rectangular tube: 2 t (h - t); circular tube: 2 A / pi. EN 1993-1-1, 6.2.6(3)
+        allows more for rolled I sections, A - 2 b t_f + (t_w + 2 r) t_f, as it counts the fillets
+        and the parts of the flanges between them; the smaller web area matches what a plane-stress
+        web can carry.
         """
         return self.shape.shear_area
 
@@ -485,10 +563,9 @@ class Section(Declared, table="section"):
     @cached_property
     def _plates(self) -> Section | None:
         shape = self.shape
-        if not isinstance(shape, ISection) or shape.fillet == 0.0:
+        if not isinstance(shape, ISection | TurnedISection) or shape.fillet == 0.0:
             return None
-        plates = ISection(shape.height, shape.width, shape.web, shape.flange)
-        return Section(f"{self.name} without fillets", plates)
+        return Section(f"{self.name} without fillets", replace(shape, fillet=0.0), self.axis)
 
     @property
     def flange_plates(self) -> tuple[float, float]:

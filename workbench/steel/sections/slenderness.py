@@ -1,7 +1,7 @@
 """Slender plates, slender members: classes, effective widths, lateral-torsional buckling, wear.
 
 Sources: EN 1993-1-1, table 5.2, 6.3.2.2 and 6.3.2.3; EN 1993-1-5, 4.4; Lignos and Krawinkler 2011.
-Bending is about the strong axis, partial factors are 1.
+Partial factors are 1.
 """
 
 from math import pi, sqrt
@@ -9,9 +9,16 @@ from typing import NamedTuple
 
 from workbench.base.errors import OutOfDomainError
 from workbench.steel.materials import Steel
-from workbench.steel.sections.section import CircularTube, ISection, Rectangle, Section
+from workbench.steel.sections.section import (
+    CircularTube,
+    ISection,
+    Rectangle,
+    Section,
+    TurnedISection,
+)
 
 BENT, PRESSED, OUTSTAND = (72.0, 83.0, 124.0), (33.0, 38.0, 42.0), (9.0, 10.0, 14.0)  # by epsilon
+TIP = (9.0, 10.0, 21.0 * sqrt(0.57))  # outstand flange bent in its plane, its tip compressed
 ROUND = (50.0, 70.0, 90.0)  # by epsilon squared
 
 
@@ -46,8 +53,12 @@ class LateralBuckling(NamedTuple):
 
 
 def plates_of(section: Section) -> Plates:
-    """Flat plates of an I section, between its fillets, or of a rectangular tube."""
-    shape, (upright, across) = section.shape, section.shape.plates
+    """Flat plates of an I section, between its fillets, or of a rectangular tube.
+
+    Those of an I section about its weak axis are named as about its strong one.
+    """
+    shape = section.shape.turned if isinstance(section.shape, TurnedISection) else section.shape
+    upright, across = shape.plates
     clear = shape.height - 2.0 * across
     if not isinstance(shape, ISection):
         wall = 0.5 * upright
@@ -70,7 +81,10 @@ def plate_classes(section: Section, steel: Steel) -> Classes:
     p = plates_of(section)
     flange = _class(p.flange / p.flange_thickness / e, OUTSTAND if p.outstand else PRESSED)
     web = p.web / p.web_thickness / e
-    return Classes(max(flange, _class(web, PRESSED)), max(flange, _class(web, BENT)))
+    pressed = max(flange, _class(web, PRESSED))
+    if isinstance(section.shape, TurnedISection):  # the moment leaves the web alone
+        return Classes(pressed, _class(p.flange / p.flange_thickness / e, TIP))
+    return Classes(pressed, max(flange, _class(web, BENT)))
 
 
 def reduction(ratio: float, psi: float = 1.0, outstand: bool = False) -> float:
@@ -102,6 +116,8 @@ def shares_by_class(section: Section, strength: Section, steel: Steel) -> tuple[
     classes = plate_classes(section, steel)
     if max(classes) == 4 and isinstance(section.shape, CircularTube):
         raise OutOfDomainError(f"{section.name} is of class 4, round, without effective widths")
+    if classes.bent == 4 and isinstance(section.shape, TurnedISection):
+        raise OutOfDomainError(f"{section.name} is of class 4, without effective widths")
     area, modulus = strength.area, strength.plastic_section_modulus
     if classes.bent == 3:
         modulus = strength.elastic_section_modulus

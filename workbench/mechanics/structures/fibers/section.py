@@ -25,7 +25,12 @@ from workbench.mechanics.structures.fibers import kernels as fiber_kernels
 from workbench.mechanics.structures.fibers import reissner_kernels
 from workbench.steel.materials import CowperSymonds
 from workbench.steel.sections import Section
-from workbench.steel.sections.section import CircularTube, ISection, Rectangle
+from workbench.steel.sections.section import (
+    CircularTube,
+    ISection,
+    Rectangle,
+    TurnedISection,
+)
 
 _MODULUS = Number(0.0, 1e30, "Pa", low_included=False)
 _HARDENING = Number(0.0, 1e30, "Pa")
@@ -248,26 +253,25 @@ def section_fibers(section: Section, layers: int, pattern: str = "none") -> Sect
         share = _shares(section, layers)
         return SectionFibers(y, area, share, np.zeros_like(y))
     shape = section.shape
-    if not isinstance(shape, ISection):
+    if not isinstance(shape, ISection | TurnedISection):
         raise InputError(
             "option.residual_stress", pattern, "is known for I sections only", "use none"
         )
-    peak = PEAK[shape.height <= STOCKY * shape.width]
-    web, flange, *fillets = (group.strips() for group in shape.layers(layers // 2))
-    edges = np.linspace(0.0, 1.0, len(web[0]) + 1)
+    turned = isinstance(shape, TurnedISection)
+    high, wide = (shape.width, shape.height) if turned else (shape.height, shape.width)
+    peak = PEAK[high <= STOCKY * wide]
+    upright, across, *fillets = (group.strips() for group in shape.layers(layers // 2))
+    edges = np.linspace(0.0, 1.0, len(upright[0]) + 1)
     cuts = np.linspace(0.0, 1.0, ACROSS + 1)
-    if pattern == "triangular":
-        in_web, in_flange = 2.0 * _middle(edges) - 1.0, 1.0 - 2.0 * _middle(cuts)
-    else:
-        in_web, in_flange = 0.25 * (3.0 * _square(edges) - 1.0), 0.5 * (1.0 - 3.0 * _square(cuts))
-    count = len(flange[0])
+    count = len(across[0])
+    # Flanges stand upright in the plane of bending about the weak axis, webs about the strong one.
     parts = [
-        (*web, np.ones_like(web[0]), in_web),
+        (*upright, np.ones_like(upright[0]), _residual(pattern, edges, flange=turned)),
         (
-            np.repeat(flange[0], ACROSS),
-            np.repeat(flange[1] / ACROSS, ACROSS),
+            np.repeat(across[0], ACROSS),
+            np.repeat(across[1] / ACROSS, ACROSS),
             np.zeros(count * ACROSS),
-            np.tile(in_flange, count),
+            np.tile(_residual(pattern, cuts, flange=not turned), count),
         ),
         *((y, area, 0.0 * y, 0.0 * y) for y, area in fillets),
     ]
@@ -276,6 +280,16 @@ def section_fibers(section: Section, layers: int, pattern: str = "none") -> Sect
         np.concatenate([-y[::-1], y]),
         *(np.concatenate([values[::-1], values]) for values in (area, share, peak * residual)),
     )
+
+
+def _residual(pattern: str, edges: Array, *, flange: bool) -> Array:
+    """Residual stress over its peak in strips of half a flange, or of half a web, from its middle.
+
+    Argument: `edges` of the strips over the half width.
+    """
+    if pattern == "triangular":
+        return (1.0 - 2.0 * _middle(edges)) * (1.0 if flange else -1.0)
+    return (1.0 - 3.0 * _square(edges)) * (0.5 if flange else -0.25)
 
 
 def _middle(edges: Array) -> Array:
