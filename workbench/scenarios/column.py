@@ -236,7 +236,7 @@ class Striker(Declared, table="striker"):
         Number(-2.5, 2.5, "m", advice="lengths are in metres, not millimetres"),
         0.0,
         omitted=True,
-        help="of its line from the shear centre, across its flight",
+        help="of its line from the shear centre, to the left of who flies along it",
     )
 
     def check(self) -> None:

@@ -130,19 +130,19 @@ class ShellAssembly:
     def settle(self, tolerance: float) -> int:
         """Come to rest under the loads: motion is stopped whenever it slows down.
 
-        `tolerance`, largest unbalanced force over the largest one at the start or, if greater, of
-        the loads. Result: number of steps. Raises `SolverError`.
+        `tolerance`, largest unbalanced force over that at the start. Result: number of steps.
+        Raises `SolverError`.
         """
         dt, inverse = SAFETY * stable_step(self), 1.0 / self.mass
         inverse[self.held] = 0.0
-        velocity, energy = np.zeros(self.size), 0.0
-        allowed = tolerance * float(np.max(np.abs(self.load)))
+        velocity, energy, allowed = np.zeros(self.size), 0.0, 0.0
         for count in range(MOST_STEPS):
-            residual = self.load - self.resist(self.displacement + dt * velocity)
-            self.account(self.displacement + dt * velocity, 0.5)
-            self.commit(self.displacement + dt * velocity)
-            largest = float(np.max(np.abs(residual * (inverse > 0.0))))
-            allowed = max(allowed, tolerance * largest if count == 0 else 0.0)
+            end = self.displacement + dt * velocity
+            residual = (self.load - self.resist(end)) * (inverse > 0.0)
+            self.account(end, 0.5)
+            self.commit(end)
+            largest = float(np.max(np.abs(residual)))
+            allowed = allowed or tolerance * largest
             if largest <= allowed:
                 return count
             velocity = velocity + dt * inverse * residual

@@ -18,13 +18,14 @@ from workbench.mechanics.structures.assembly import graded_lengths, halved
 from workbench.models.references.shell.kernels import Shells
 from workbench.models.references.solid.mesh import PlateMesh, Supports
 from workbench.scenarios import Column
-from workbench.steel.sections import ISection, RectangularTube, Section
+from workbench.steel.sections import AXES, ISection, RectangularTube, Section
 
 HALF_FLANGE = 2  # elements of the coarsest mesh, of refinement -1
 LARGEST = 2.0  # length along the axis over the least one
 _GROWTH = 1.2
+DIGITS = 12  # of places (m) across the column, so that those of two plates are the same
 _SAMPLES = 2000  # of the pressure of a face
-CORNER = pi / 4.0  # direction from which on a striker meets the edges of plates, not a flange
+_ALONG = 1e-9  # cosine or sine of directions along the sides of the section
 
 
 class Wall(NamedTuple):
@@ -58,9 +59,9 @@ def walls_of(section: Section, refinement: int = 0) -> tuple[Wall, ...]:
     """
     shape, times = section.shape, 2 ** (refinement + 1)
     upright, across = shape.plates
-    high, wide = 0.5 * (shape.height - across), 0.5 * shape.width
-    if isinstance(shape, RectangularTube):
-        wide -= 0.5 * across
+    box = across if isinstance(shape, RectangularTube) else 0.0
+    high = round(0.5 * (shape.height - across), DIGITS)
+    wide = round(0.5 * (shape.width - box), DIGITS)
     flange = (section.area - 2.0 * high * upright) / (4.0 * wide)
     flanges = 2 * HALF_FLANGE * times
     webs = max(2, 2 * round(HALF_FLANGE * high / wide)) * times
@@ -77,16 +78,16 @@ def shell_mesh(
 ) -> ShellMesh:
     """Mesh of a column of an I section or a rectangular tube.
 
-    Arguments: `refinement`, how often all elements are halved, from -1 on; initial `bow` out of the
-    plane over the length; `tilt`, by which the edges of flanges stand out of their planes, over
-    the width, to and fro with half waves as long as the width.
+    Arguments: `refinement`, how often all elements are halved, from -1 on; initial `bow` along the
+    width of the section, over the length; `tilt`, by which the edges of flanges stand out of their
+    planes, over the width, to and fro with half waves as long as the width.
     """
-    section = column.strength_section
+    section = column.strength_section.about("strong")
     walls = walls_of(section, refinement)
     lines: list[tuple[float, float]] = []
     strips, thickness = [], []
     for wall in walls:
-        points = np.linspace(wall.start, wall.end, wall.elements + 1).round(12).tolist()
+        points = np.linspace(wall.start, wall.end, wall.elements + 1).round(DIGITS).tolist()
         numbers = [_number(lines, (x, y)) for x, y in points]
         strips += [*pairwise(numbers)]
         thickness += wall.elements * [wall.thickness]
@@ -102,11 +103,10 @@ def shell_mesh(
     nodes = np.concatenate([first, first[:, :, ::-1] + count], axis=2).reshape(-1, 4)
     flat, z = np.tile(np.array(lines), (rows + 1, 1)), np.repeat(along, count)
     place = np.column_stack([flat, z])
-    clamped = column.base == "clamped" and column.head != "pinned"
+    clamped = "pinned" not in column.ends_about("weak")
     turn = pi * z / column.length
     place[:, 1] += bow * column.length * (np.sin(turn) ** 2 if clamped else np.sin(turn))
-    width = column.section.width
-    phase = pi * (z - column.length_below) / width
+    phase = pi * (z - column.length_below) / section.width
     place[:, 0] += 2.0 * tilt * flat[:, 1] * np.cos(phase)
     sides = np.array([_width(wall) for wall in walls for _ in range(wall.elements)])
     shells = Shells(nodes.astype(np.int64), np.tile(thickness, rows))
@@ -126,39 +126,27 @@ def _width(wall: Wall) -> float:
     return float(np.hypot(*np.subtract(wall.end, wall.start))) / wall.elements
 
 
-def least_second_moment(section: Section) -> float:
-    """Second moment of area (m4) of the plates of a section about its weaker axis."""
-    moments = np.zeros(2)
-    for wall in walls_of(section):
-        start, end = np.array(wall.start), np.array(wall.end)
-        area = wall.thickness * float(np.hypot(*(end - start)))
-        moments += area * (start**2 + start * end + end**2) / 3.0
-    return float(moments.min())
-
-
 def supports_of(mesh: ShellMesh, column: Column, upright: bool = False) -> Supports:
     """Supports of the plates of a column, whose last unknown is U of the head.
 
-    An end that is pinned is a rigid plate that turns about its centroid both ways, in which walls
-    are hinged. `upright`: the middle plane of the section stays what it is, so that the column
+    An end that is pinned about an axis is a rigid plate that turns about its centroid that way, in
+    which walls are hinged. `upright`: the middle plane of the section is held, so that the column
     cannot leave it.
     """
-    at_base, at_head = mesh.along == 0.0, mesh.along == mesh.along.max()
+    at_head = mesh.along == mesh.along.max()
     held = np.zeros((len(mesh.along), 6), dtype=bool)
-    ends = ((at_base, column.base), (at_head, column.head))
-    plates: list[PlateMesh] = []
     turning: list[tuple[Indices, Indices, Array]] = []
-    for at, kind in ends:
-        held[at, : 3 if kind == "pinned" else 6] = True
-        if kind == "pinned":
-            nodes = np.flatnonzero(at)
-            for axis in range(2):
+    for end, at in enumerate((mesh.along == 0.0, at_head)):
+        kinds = [column.ends_about(axis)[end] for axis in AXES]
+        held[at, : 3 if "pinned" in kinds else 6] = True
+        nodes = np.flatnonzero(at)
+        for axis, kind in enumerate(kinds):
+            if kind == "pinned":
                 turning.append((6 * nodes + axis, 6 * nodes + 2, mesh.section[nodes, axis]))
     if upright:
         held[np.ix_(mesh.section[:, 1] == 0.0, [1, 3, 5])] = True
     free = np.flatnonzero(~held.ravel())
-    for number, (sideways, lengthwise, places) in enumerate(turning):
-        plates.append(PlateMesh(sideways, lengthwise, places, len(free) + number))
+    plates = [PlateMesh(*each, len(free) + number) for number, each in enumerate(turning)]
     last = len(free) + len(plates)
     head = 6 * np.flatnonzero(at_head) + 2
     rows = np.append(free, head)
@@ -167,50 +155,60 @@ def supports_of(mesh: ShellMesh, column: Column, upright: bool = False) -> Suppo
     return Supports(tied, tuple(plates))
 
 
-def line_of_hit(direction: float, section: Section, eccentricity: float) -> float:
-    """Place (m) across the struck face where the line of a hit meets it.
+class Target(NamedTuple):
+    """Line in the plane of the section that a face meets, and what of it.
 
-    That is y on the flange for directions (rad from the height of the section) below 45 degrees,
-    else x between the edges of both flanges. `eccentricity` (m) of the line from the shear centre,
-    to the left of who flies along it.
+    Number of the coordinate that is the same on it (0: x, of a flange; 1: y, of the edges of both
+    flanges), its `level` (m); `place` (m) on it where the line of the hit meets it, and the way
+    from there to the nearer end, `room` (m), negative beside it.
     """
-    _, across = section.shape.plates
-    if direction < CORNER:
-        high = 0.5 * (section.height - across)
-        return (eccentricity - high * sin(direction)) / cos(direction)
-    wide = 0.5 * section.width
-    return (wide * cos(direction) - eccentricity) / sin(direction)
+
+    fixed: int
+    level: float
+    place: float
+    room: float
+
+    @property
+    def corner(self) -> tuple[float, float]:
+        """The end of the line that is nearer to the hit, x and y in m."""
+        end = np.copysign(self.room + abs(self.place), self.place)
+        return (self.level, end) if self.fixed == 0 else (end, self.level)
+
+
+def target_of(section: Section, direction: float, eccentricity: float) -> Target:
+    """Part of a section that a hit meets first.
+
+    Arguments: `direction` (rad) off the height of the section; `eccentricity` (m) of its line from
+    the shear centre, to the left of who flies along it.
+    """
+    high, wide = np.max([wall.end for wall in walls_of(section)], axis=0)
+    c, s = cos(direction), sin(direction)
+    y = (eccentricity - high * s) / c if c > _ALONG else -np.inf
+    if abs(y) <= wide or s < _ALONG:
+        return Target(0, -high, y, wide - abs(y))
+    x = (wide * c + eccentricity) / -s
+    return Target(1, -wide, x, high - abs(x))
 
 
 def face_of(
-    mesh: ShellMesh,
-    level: float,
-    size: tuple[float, float],
-    place: float = 0.0,
-    direction: float = 0.0,
-    web: bool = False,
+    mesh: ShellMesh, level: float, size: tuple[float, float], target: Target | None
 ) -> tuple[Indices, Array]:
     """Nodes that a face meets, and their shares of its force, which is spread evenly over it.
 
-    Arguments: `level` of its middle above the base and `size` across and along the column, m;
-    `place` of its middle across the column, see `line_of_hit`; `direction` (rad); `web`, whether
-    it meets the whole height of what stands upright instead. The force stands at `place` whatever
-    the mesh: beside an edge the face is narrower.
+    Arguments: `level` of its middle above the base and `size` across and along the column, m; the
+    `target` that it meets (None: the whole height of what stands upright). The force stands at its
+    place whatever the mesh: beside an edge the face is narrower.
     """
     flat, (high, wide) = mesh.section, mesh.section.max(axis=0)
-    if web:
-        in_web = flat[:, 1] == 0.0
-        in_web &= np.abs(flat[:, 0]) < high
-        on, axis, half = np.abs(flat[:, 1]) == (0.0 if in_web.any() else wide), 0, high
-    elif direction < CORNER:
-        on, axis, half = flat[:, 0] == -high, 1, min(0.5 * size[0], wide - abs(place))
+    if target is None:
+        is_web = np.any((flat[:, 1] == 0.0) & (np.abs(flat[:, 0]) < high))
+        on, axis = np.abs(flat[:, 1]) == (0.0 if is_web else wide), 0
+        shares = _spread(flat[on, axis], 0.0, high)
     else:
-        on, axis, half = flat[:, 1] == -wide, 0, min(0.5 * size[0], high - abs(place))
-    nodes = np.flatnonzero(on)
-    shares = _spread(flat[nodes, axis], place, half)
-    shares *= _spread(mesh.along[nodes], level, 0.5 * size[1])
-    kept = shares > 0.0
-    return nodes[kept], shares[kept] / shares.sum()
+        on, axis = flat[:, target.fixed] == target.level, 1 - target.fixed
+        shares = _spread(flat[on, axis], target.place, min(0.5 * size[0], target.room))
+    shares *= _spread(mesh.along[on], level, 0.5 * size[1])
+    return np.flatnonzero(on)[shares > 0.0], shares[shares > 0.0] / shares.sum()
 
 
 def _spread(at: Array, middle: float, half: float) -> Array:

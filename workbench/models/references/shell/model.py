@@ -7,6 +7,7 @@ the web as a whole.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import degrees, pi
 from typing import Any, ClassVar
 
 import numpy as np
@@ -18,16 +19,16 @@ from workbench.mechanics.frames.runs import resting
 from workbench.mechanics.structures.explicit import explicit_impact
 from workbench.mechanics.structures.impact import PointMass
 from workbench.models.base import respond
-from workbench.models.domain import euler_load, member_findings
+from workbench.models.domain import member_findings
 from workbench.models.hit_mass import light_impact_mass
 from workbench.models.references.refine import LEVELS, MESHES, check_levels, refined
 from workbench.models.references.shell.assembly import ShellAssembly, shell_column
 from workbench.models.references.shell.mesh import (
+    Target,
     face_of,
-    least_second_moment,
-    line_of_hit,
-    walls_of,
+    target_of,
 )
+from workbench.models.references.solid.model import section_values
 from workbench.responses import (
     Finding,
     Response,
@@ -38,12 +39,11 @@ from workbench.responses import (
     set_findings,
 )
 from workbench.scenarios import ColumnImpact, Scenario, frame_of
-from workbench.steel.materials import Steel
-from workbench.steel.sections import ISection, RectangularTube, Section
+from workbench.steel.sections import AXES, ISection, RectangularTube
 
 COARSEST = -1  # refinement: four elements across a flange
 RECORDS = 500  # of an impact
-AT_REST = 1e-3  # largest unbalanced force before the hit, over the axial load or the imperfection
+AT_REST = 0.01  # largest unbalanced force before the hit, over that of its imperfections or weight
 OPEN_LEDGER = 1e-3  # of the input energy: work over steps is of second order in their turns
 MUCH_HOURGLASS = 0.05  # work against hourglass modes over the plastic work
 SHAPES = (ISection, RectangularTube)
@@ -71,7 +71,7 @@ class Shell(Declared, table="option"):
     face_width: float = checked(Number(1e-3, 2.0, "m"), 0.12, help="of the striker, across")
     face_height: float = checked(Number(1e-3, 2.0, "m"), 0.12, help="of the striker, along")
     bow: float = checked(
-        Number(0.0, 0.02), 0.0, help="initial bow out of the plane over the length (1/750: usual)"
+        Number(0.0, 0.02), 0.0, help="initial bow along the width of the section over the length"
     )
     tilt: float = checked(
         Number(0.0, 0.05), 0.0, help="of the edges of flanges out of their planes over the width"
@@ -91,7 +91,9 @@ class Shell(Declared, table="option"):
     version: ClassVar[int] = 1
     judged: ClassVar[bool] = False
     crushing: ClassVar[bool] = True
+    spatial: ClassVar[bool] = True
     eccentric: ClassVar[bool] = True
+    unused: ClassVar[tuple[str, ...]] = ("column.unbraced_length",)
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plates in their middle planes, without root fillets, whose area goes to the flanges; they "
@@ -101,7 +103,7 @@ class Shell(Declared, table="option"):
         "The striker presses evenly on a face that stays where it is on the column, and moves as "
         "the mean of it; it does not turn, rub, nor meet other places as the section turns.",
         "Ends are clamped or rigid plates that turn both ways, warping held; the head is also held "
-        "sideways and against twist.",
+        "sideways and against twist. Braces are left out.",
         "The column is straight and upright but for `bow` and `tilt`; a bow of 1/750 of the length "
         "on the coarsest mesh is part of the stated uncertainty.",
         "Elastic stiffness and strength are both those of the strength section; the mass is that "
@@ -120,42 +122,41 @@ class Shell(Declared, table="option"):
 
     def domain(self, scenario: ColumnImpact) -> list[Finding]:
         """Sections that are no plates, buckling under the axial load, a hit beside the flange."""
-        column = scenario.column
-        shape = column.strength_section.shape
-        if not isinstance(shape, SHAPES):
+        column, striker = scenario.column, scenario.striker
+        section = column.strength_section.about("strong")
+        if not isinstance(section.shape, SHAPES):
             return [finding("shell-section", section=column.section.name)]
         findings = [each for each in member_findings(scenario) if each.refusal]
-        share = least_second_moment(column.strength_section) / column.properties.second_moment
-        critical, load = share * euler_load(scenario), column.axial_load
+        free, load = column.changed(unbraced_length=None), column.axial_load
+        critical = min(map(free.euler_load, AXES))
         if load >= critical and not (findings or self.upright):
-            ratio, kilo = load / critical, 1e3
-            findings.append(
-                finding("euler-reached", ratio, load=load / kilo, critical=critical / kilo)
-            )
-        away, half = abs(scenario.striker.eccentricity), 0.5 * shape.width
-        if away > half or (away > 0.0 and (self.struck == "web" or self.upright)):
-            most = 0.0 if self.struck == "web" or self.upright else half
-            findings.append(finding("beside-column", away, most=most))
+            kilo = {"load": load / 1e3, "critical": critical / 1e3}
+            findings.append(finding("euler-reached", load / critical, **kilo))  # type: ignore[arg-type]
+        direction, away = direction_of(scenario), striker.eccentricity
+        if self.upright and direction:
+            findings.append(finding("off-plane", degrees(direction), name="upright shell"))
+        room = target_of(section, direction, away).room
+        if room < 0.0 or (away and (self.struck == "web" or self.upright)):
+            findings.append(finding("beside-column", away, most=max(abs(away) + room, 0.0)))
         findings += light_impact_mass(scenario)
-        return findings + override_findings(frame_of(column), _values, "the shell comes")
+        return findings + override_findings(frame_of(column), section_values, "the shell comes")
 
     def simulate(self, scenario: Scenario) -> Response:
         """Answer a column impact, with the uncertainty of mesh and imperfection."""
         return respond(self, scenario, lambda given: refined(self, given, self._solve))
 
-    def _solve(self, scenario: ColumnImpact, direction: float = 0.0) -> Response:
-        """Let the loaded column come to rest, then strike it along a `direction` (rad).
+    def _solve(self, scenario: ColumnImpact) -> Response:
+        """Let the loaded column come to rest, then strike it.
 
         From then on the restraint spring, unstressed, or the lock of a fixed head acts.
         """
         column = scenario.column
         shells = shell_column(column, self.refinement, self.bow, self.tilt, self.upright)
-        place = line_of_hit(direction, column.section, scenario.striker.eccentricity)
-        size, web = (self.face_width, self.face_height), self.struck == "web"
-        nodes, shares = face_of(
-            shells.mesh, column.length_below, size, 0.0 if web else place, direction, web
-        )
-        face = shells.face(nodes, shares, direction)
+        direction = direction_of(scenario)
+        section = column.strength_section.about("strong")
+        target = target_of(section, direction, scenario.striker.eccentricity)
+        met, size = None if self.struck == "web" else target, (self.face_width, self.face_height)
+        face = shells.face(*face_of(shells.mesh, column.length_below, size, met), direction)
         shells.attach(face, column.attached_mass)
         if scenario.acceleration:
             shells.weigh(scenario.acceleration, direction)
@@ -164,7 +165,7 @@ class Shell(Declared, table="option"):
             shells.held = np.array([shells.head])
         else:
             shells.spring = (column.restraint_stiffness, float(shells.displacement[shells.head]))
-        states = ShellRecord(shells, scenario, place, direction)
+        states = ShellRecord(shells, scenario, target, direction)
         states.see(float(face.shares @ shells.displacement[face.dofs]), 0.0)
         spans = [(scenario.duration, scenario.duration / RECORDS)]
         rows = [(0.0, scenario.input_energy, scenario.striker.velocity, 0.0, 0.0, 0.0)]
@@ -194,19 +195,18 @@ class Shell(Declared, table="option"):
 class ShellRecord:
     """Numbers of the committed states of `shells`, one row for each.
 
-    Arguments: the `scenario`; `place` (m) of the hit across the face; `direction` (rad).
+    Arguments: the `scenario`; its `target`; `direction` (rad).
     """
 
     def __init__(
-        self, shells: ShellAssembly, scenario: ColumnImpact, place: float, direction: float
+        self, shells: ShellAssembly, scenario: ColumnImpact, target: Target, direction: float
     ) -> None:
         self.shells, mesh = shells, shells.mesh
         self._way = np.array([np.cos(direction), np.sin(direction)])
         level = mesh.along[np.argmin(np.abs(mesh.along - scenario.column.length_below))]
         self._nodes = np.flatnonzero(mesh.along == level)
         flat = mesh.section[self._nodes]
-        side = 1.0 if place >= 0.0 else -1.0
-        self._edge = int(np.argmin(flat @ (1.0, -side)))  # of the struck flange
+        self._edge = int(np.argmin(np.hypot(*(flat - target.corner).T)))
         self._flat, self._weight = flat, shells.nodal_mass[self._nodes, 0]
         self._start = self._at()
         self._plastic_before = shells.dissipated
@@ -266,18 +266,6 @@ class ShellRecord:
         return response
 
 
-def _values(section: Section, steel: Steel) -> dict[str, float]:
-    """Properties of the plates of a section, by the names of its overrides."""
-    walls = walls_of(section)
-    second = plastic = 0.0
-    for wall in walls:
-        (x, y), (end, far) = wall.start, wall.end
-        area = wall.thickness * float(np.hypot(end - x, far - y))
-        second += area * (x**2 + x * end + end**2) / 3.0
-        plastic += area * (abs(x) if x == end else 0.5 * abs(x))
-    return {
-        "area": section.area,
-        "second_moment": second,
-        "plastic_moment": plastic * steel.yield_stress,
-        "squash_load": section.squash_load(steel),
-    }
+def direction_of(scenario: ColumnImpact) -> float:
+    """Direction (rad) of a hit off the height of the section."""
+    return 0.5 * pi if scenario.column.axis == "weak" else scenario.striker.angle
