@@ -13,9 +13,7 @@ from workbench.steel.sections.section import (
     CircularTube,
     ISection,
     Rectangle,
-    RectangularTube,
     Section,
-    Shape,
     TurnedISection,
 )
 
