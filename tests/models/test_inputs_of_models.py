@@ -113,6 +113,7 @@ WITHOUT_EFFECT = {
     "member.end": "a name of a node",
 }
 KNOWN = {  # of one model and kind
+    ("seven-dof", "column-impact"): {"column.unbraced_length"},  # of heavier loads
     ("biggs", "column-pushover"): {"column.area"},  # gives its mass, and statics have none
     # matters through gravity alone, of which a finding says that it is not used
     ("en-1991-hard-impact", "column-impact"): {"striker.direction"},
@@ -127,6 +128,10 @@ SPECIAL = {  # scenarios of models that refuse the usual one, or are not moved e
     # a column has masses at its head only
     ("column-of-frame", "frame-impact"): replace(
         SCENARIOS[4], frame=replace(FRAME, nodes=(FRAME.nodes[0], BARE, *FRAME.nodes[2:]))
+    ),
+    # supports about the other axis and friction count between both
+    ("seven-dof", "column-impact"): replace(
+        SCENARIOS[0], striker=Striker(1500.0, 12.0, angle=0.6, friction=0.1)
     ),
     # the restraint counts beyond the plateau
     ("trilinear-catenary", "member-pulse"): replace(
