@@ -55,6 +55,7 @@ class Model(Protocol):
     kinds; `assumptions` are sentences. A model that knows strain rate or hardening by itself has a
     `material` that names them; others run with `with_strain_rate`. Optional: `crushing`, whether it
     answers strikers that crush; `spatial`, whether those that hit off the plane of bending;
+    `eccentric`, whether those that hit beside the shear centre;
     `unused`, see `unused_inputs`; for many, see `models.batch`.
     """
 
@@ -134,13 +135,16 @@ def findings_before(model: Model, scenario: Any, left_out: Sequence[Finding]) ->
 
 
 def striker_findings(model: Any, striker: Striker) -> list[Finding]:
-    """Refusals of a striker that crushes, or hits off the plane of bending, which a model lacks."""
+    """Refusals of a striker that crushes, or hits off the plane or the axis, unknown to a model."""
     findings = []
     if striker.crushes and not getattr(model, "crushing", False):
         findings.append(finding("rigid-striker-alone", name=model.name))
     farthest = float(np.max(striker.angle))  # of a stack
     if farthest > 0.0 and not getattr(model, "spatial", False):
         findings.append(finding("off-plane", degrees(farthest), name=model.name))
+    beside = float(np.max(np.abs(striker.eccentricity)))
+    if beside > 0.0 and not getattr(model, "eccentric", False):
+        findings.append(finding("eccentricity", beside, name=model.name))
     return findings
 
 

@@ -232,6 +232,13 @@ class Striker(Declared, table="striker"):
         Number(0.0, 1e3), 0.0, omitted=True, help="of its face; 0 slides freely, much sticks"
     )
 
+    eccentricity: float = checked(
+        Number(-2.5, 2.5, "m", advice="lengths are in metres, not millimetres"),
+        0.0,
+        omitted=True,
+        help="of its line from the shear centre, to the left of who flies along it",
+    )
+
     def check(self) -> None:
         """Refuse two laws, laws that are none, and a restitution beside one."""
         if self.crushes and self.restitution > 0.0:

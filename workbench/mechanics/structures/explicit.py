@@ -13,17 +13,18 @@ Sources: Belytschko, Liu and Moran 2000, section 6.2; Moreau 1988.
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import ceil, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from workbench.base.arrays import Array
+from workbench.base.arrays import Array, Indices
 from workbench.base.errors import SolverError
 from workbench.mechanics.impact import contact
 from workbench.mechanics.impact.contact import force_at
 from workbench.mechanics.impact.integrator import law_of
 from workbench.mechanics.structures.elements import StepEnergies
-from workbench.mechanics.structures.equilibrium import Structure
+from workbench.mechanics.structures.equilibrium import ExplicitStructure
 from workbench.mechanics.structures.impact import PointMass, TimeStep, check_count
 
 SAFETY = 0.9  # of the stability limit: yielding softens, but tension and contact stiffen
@@ -31,7 +32,7 @@ LARGEST_ERROR = 0.02  # of the energy brought in; beyond it the step is taken to
 LEDGER_WEIGHT = 0.5  # the trapezoidal rule
 
 
-def lumped_mass(assembly: Structure) -> Array:
+def lumped_mass(assembly: ExplicitStructure) -> Array:
     """Mass of every dof (dofs,) of an assembly with lumped mass; held dofs get infinite mass.
 
     Raises ValueError if the mass matrix is not diagonal or a free dof has no mass.
@@ -47,7 +48,7 @@ def lumped_mass(assembly: Structure) -> Array:
     return mass
 
 
-def stable_step(assembly: Structure) -> float:
+def stable_step(assembly: ExplicitStructure) -> float:
     """Largest stable time step 2 / omega_max of the committed state, in s."""
     assembly.assemble(assembly.displacement, None)
     root = 1.0 / np.sqrt(lumped_mass(assembly))  # 0 at held dofs
@@ -61,16 +62,26 @@ def stable_step(assembly: Structure) -> float:
     return float(2.0 / np.sqrt(largest[0]))
 
 
+class Face(NamedTuple):
+    """A striker's face: the dofs that it meets and their `shares` of its force, with their sense.
+
+    Its place is the mean of theirs, by the same shares.
+    """
+
+    dofs: Indices
+    shares: Array
+
+
 def explicit_impact(
-    assembly: Structure,
-    dof: int,
+    assembly: ExplicitStructure,
+    dof: int | Face,
     striker: PointMass,
     spans: Sequence[tuple[float, float]],
     step: float = np.inf,
     *,
     sign: float = 1.0,
 ) -> Iterator[TimeStep]:
-    """Follow an impact at `dof`, in the direction of growing displacement or against it.
+    """Follow an impact at a dof, or of a face, along growing displacement or against it.
 
     Arguments: `assembly` with lumped mass, at rest under its dead loads; `striker`; `spans`, end
     times and intervals between records of successive parts of the record, both in s; longest
@@ -83,7 +94,9 @@ def explicit_impact(
     mass = lumped_mass(assembly)
     free = np.isfinite(mass)
     inverse = 1.0 / mass
-    node_mass = float(mass[dof])
+    at, shares = dof if isinstance(dof, Face) else Face(np.array([dof]), np.ones(1))
+    shares = sign * shares
+    node_mass = 1.0 / float(shares**2 @ inverse[at])
     stable = stable_step(assembly)
     if law["points"]:  # its spring adds at most so much to the square of the highest frequency
         square = law["unloading"] * (1.0 / node_mass + 1.0 / striker.mass)
@@ -97,7 +110,7 @@ def explicit_impact(
     acceleration = inverse * (assembly.load - assembly.resist(assembly.displacement))
     half = assembly.velocity - 0.5 * dt * acceleration
     velocity, position = striker.velocity - 0.5 * dt * striker.gravity, striker.position
-    origin = sign * float(assembly.displacement[dof])
+    origin = float(shares @ assembly.displacement[at])
     brought = striker.kinetic_energy + assembly.kinetic_energy()
     reference = brought + assembly.stored
     spent = 0.0
@@ -106,22 +119,22 @@ def explicit_impact(
         total = loss = plastic = ideal = 0.0
         begin, start = assembly.displacement, position
         for _ in range(record - done):
-            before = sign * float(half[dof]) - velocity
+            before = float(shares @ half[at]) - velocity
             half = half + dt * acceleration
             velocity += dt * striker.gravity
-            gap = sign * float(assembly.displacement[dof]) - origin - position
+            gap = float(shares @ assembly.displacement[at]) - origin - position
             impulse = 0.0
             if law["points"]:
                 law["crushed"] = max(law["crushed"], -gap)
                 impulse = dt * force_at(law, -gap)[0]
             elif gap + dt * min(before, 0.0) <= 0.0:
-                without = sign * float(half[dof]) - velocity
+                without = float(shares @ half[at]) - velocity
                 masses = node_mass, striker.mass
                 impulse = contact.explicit_percussion(without, before, striker.restitution, *masses)
             if impulse > 0.0:
-                half[dof] += sign * impulse / node_mass
+                half[at] += impulse * shares * inverse[at]
                 velocity -= impulse / striker.mass
-                after = sign * float(half[dof]) - velocity
+                after = float(shares @ half[at]) - velocity
                 loss += contact.contact_loss(impulse, before, after)
                 total += impulse
             position += dt * velocity

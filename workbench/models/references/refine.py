@@ -1,7 +1,8 @@
 """Numerical uncertainty of a reference: coarser meshes behind every answer.
 
 The mesh asked for is the finest. Space and time are halved together, as the discretisation errors
-of both are of first order; more fibers and shorter steps alone are tried on the coarsest mesh.
+of both are of first order; more fibers, shorter steps alone, and a bow of what may leave its plane
+are tried on the coarsest mesh.
 See docs/theory/numerical-uncertainty.md.
 """
 
@@ -51,6 +52,7 @@ MESHES = (
     "that of refinement alone, the numerical uncertainty is then unknown)"
 )
 MORE_FIBERS, MOST_FIBERS = 4, 1000
+IMPERFECTION, USUAL_BOW = "imperfection", 1.0 / 750.0  # of the length, out of the plane
 LEAST_COARSENING = 1.5  # of the smallest element from one mesh to the next
 # the yield ratio of a coarse run is an error of its discretisation, which the ladder measures
 DOUBTS = ("time-step", "damping", "no-peak", "energy-balance")
@@ -208,6 +210,10 @@ class _Refinement:
             longer = 2.0 ** (len(used) - 1) if together == SPACE_AND_STEPS else 1.0
             directions.append(step_direction(used[0], name, longer, CAUTIOUS))
             self._answer(name, replace(coarsest, step_refinement=model.step_refinement + 1))
+        if "bow" in options and not model.upright:
+            name = f"{used[0]}, bowed"
+            directions.append(Direction(IMPERFECTION, (used[0], name), 1.0))
+            self._answer(name, replace(coarsest, bow=model.bow + USUAL_BOW))
         return tuple(directions)
 
     def _meshes(self) -> list[Any]:

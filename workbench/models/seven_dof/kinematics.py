@@ -17,7 +17,8 @@ central, as moments and rotations of a section are not parallel. St Venant torsi
 at clamped ends, resist it elastically.
 
 Energy is exact in a step: mean forces stand on discrete gradients, of e and R in closed form, of
-psi after Gonzalez 1996. b has no mass and is in equilibrium at the end of a step.
+psi after Gonzalez 1996. b has no mass and is in equilibrium at the end of a step: the moments on
+both sides of the impact point are then equal, and do no work in the mean either.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """The equations of a midpoint step of the column in space, their solution, its march.
 
-As `four_dof.march`, with hinges and kinematics of `kinematics`; masses move along all axes, also
-with the twist, only b and a head without mass are in equilibrium at the end of a step.
+As `four_dof.march`, with hinges and kinematics of `kinematics`; masses move along all axes. b is in
+equilibrium at the end of a step, a head without mass in the mean of it: energy is then exact.
 
 A face with friction holds the impact point sideways (the striker keeps its line) with an impulse of
 at most mu times that along the hit: a step is solved sticking, and sliding where that needs more.
@@ -61,7 +61,7 @@ _FARTHEST = 0.03  # step of Newton, m and rad
 _TRIES = 100  # at rest under a weight
 
 
-class System(NamedTuple):
+class ColumnSystem(NamedTuple):
     """Column (1,), committed and trial state (2,), scratch (1,), hinges of both bars (2,)."""
 
     columns: Any
@@ -82,8 +82,7 @@ def hold(A, i):
 def evaluate(s, dt, closed, touch, striker):
     """Residual `R` (impulses) and tangent `J` of a midpoint step; the scaled size of the residual.
 
-    m (w - w_0) + dt F_mean = P with w = 2 (q - q_0) / dt - w_0 of a massive unknown, F(q) = 0 of a
-    massless one.
+    m (w - w_0) + dt F_mean = P with w = 2 (q - q_0) / dt - w_0; of the rotation b, F(q) = 0.
     """
     column, state, work = s.columns[0], s.states[1], s.room[0]
     q, K, R, J = state.q, work.K, work.R, work.J
@@ -99,7 +98,7 @@ def evaluate(s, dt, closed, touch, striker):
             J[i, k] = 0.5 * dt * K[i, k]
         J[i, i] += 2.0 * m / dt
         R[i] = 0.5 * dt * work.F[i]
-        if m > 0.0:
+        if i != BN and i != BT:
             R[i] = 2.0 * m * (work.moved[i] / dt - work.w0[i]) + dt * work.mean[i]
     held = 0.5 * dt * _HELD * column.stiffness[BELOW, 3, 3] * column.strength[3] ** 2
     J[BN, BN] += held
@@ -153,7 +152,7 @@ def predict(s, dt, closed, touch, striker):
         for k in range(7):
             J[i, k] = 0.5 * dt * work.K0[i, k]
         J[i, i] += 2.0 * m / dt
-        step[i] = 2.0 * m * w0[i] - (dt if m > 0.0 else 0.5 * dt) * work.F0[i]
+        step[i] = 2.0 * m * w0[i] - (0.5 * dt if i in (BN, BT) else dt) * work.F0[i]
         moved[i] = 0.0
     for i in (BN, BT):
         J[i, i] += 0.5 * dt * held
@@ -435,7 +434,7 @@ def impact(columns, states, room, hinges, drive, progress, records):
     Arguments: `columns` (1,) of COLUMN, `states` (2,) of STATE, `room` (1,) of WORK, `hinges` (2,)
     of ROOM; `drive`, `progress` and `records` of `workbench.mechanics.impact`.
     """
-    pace, s = begin(drive, progress[0]), System(columns, states, room, hinges)
+    pace, s = begin(drive, progress[0]), ColumnSystem(columns, states, room, hinges)
     internal_forces(s.columns[0], s.states[0], s.room[0], s.hinges)
     at_place(s)
     s.room[0].collision_mass = s.columns[0].mass[N] if pace.error < np.inf else 0.0

@@ -140,7 +140,9 @@ class SolidPlaneStress(Declared, table="option"):
         """Buckling under the axial load, and overrides that a solid cannot follow."""
         findings = [each for each in member_findings(scenario) if each.refusal]
         findings += light_impact_mass(scenario)
-        return findings + override_findings(frame_of(scenario.column), _values, "the solid comes")
+        return findings + override_findings(
+            frame_of(scenario.column), section_values, "the solid comes"
+        )
 
     def simulate(self, scenario: Scenario) -> Response:
         """Answer a column pushover or impact, with numerical uncertainty."""
@@ -311,8 +313,8 @@ def localisation(
     return findings
 
 
-def _values(section: Section, steel: Steel) -> dict[str, float]:
-    """Properties of the meshed section, by the names of its overrides."""
+def section_values(section: Section, steel: Steel) -> dict[str, float]:
+    """Properties of a meshed section, by the names of its overrides."""
     return {
         "area": section.area,
         "second_moment": section.second_moment,
