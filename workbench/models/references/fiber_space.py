@@ -12,6 +12,7 @@ import numpy as np
 
 from workbench.base.arrays import Array
 from workbench.base.fields import Number, checked
+from workbench.mechanics.frames.members import LAYERS
 from workbench.mechanics.frames.structure import FrameStructure, apply_dead_loads
 from workbench.mechanics.structures.fibers.section import LinearHardening
 from workbench.mechanics.structures.space import (
@@ -71,6 +72,7 @@ class FiberSpace(FiberReference):
     hardening_ratio: float = checked(
         Number(1e-9, 0.1), 1e-6, help="regularising hardening over the elastic modulus"
     )
+    layers: int = checked(LAYERS, 12, help="over the depth and across flanges, an even number")
     refinement: int = checked(REFINEMENT, 1, help="how often all elements and steps are halved")
 
     name: ClassVar[str] = "fiber-space"
