@@ -28,6 +28,7 @@ def plugins(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     ]
     entries = [EntryPoint(name, value, "workbench.models") for name, value in points]
     monkeypatch.setattr(offered, "entry_points", lambda group: [*entries, entries[0]])
+    monkeypatch.setattr(offered, "_installed", offered._installed.__wrapped__)
 
 
 def test_our_own_models_are_registered() -> None:

@@ -27,12 +27,12 @@ def test_disturbed_input_ends_in_an_answer_or_one_message(base: Path) -> None:
     paths = [path for path in root.rglob("*") if path.is_file() and path.stat().st_size]
     stored = {str(path.relative_to(root)): path.read_bytes() for path in paths}
     endings = []
-    for job in islice(jobs(random.Random(0), stored, quick=True), 30):
+    for job in islice(jobs(random.Random(0), stored, quick=True), 16):
         ending = perform(job, base)
         assert ending.fault == "", job.arguments
         endings.append(ending.status)
-    assert endings.count(0) >= 7  # most jobs must get beyond the reader
-    assert endings.count(2) >= 6
+    assert endings.count(0) >= 4  # most jobs must get beyond the reader
+    assert endings.count(2) >= 3
 
 
 @pytest.mark.slow

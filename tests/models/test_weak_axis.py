@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+import workbench as wb
 from workbench.base.errors import InputError
 from workbench.models.base import make_model
 from workbench.models.batch import simulate_many
@@ -143,3 +144,18 @@ def test_plane_models_refuse_a_hit_off_their_plane(model: str) -> None:
 def test_an_angle_beside_the_weak_axis_is_refused() -> None:
     with pytest.raises(InputError, match=r"striker\.angle"):
         ColumnImpact("o", HEB, Striker(1500.0, 10.0, angle=0.5))
+
+
+def test_the_answer_names_the_axis_and_has_no_interval_there() -> None:
+    weak = wb.simulate(ColumnImpact("weak", HEB, Striker(1500.0, 10.0)), "four-dof")
+    headline = weak.workbench.headline
+    assert "bent about the weak axis" in headline
+    assert "90 %" not in headline
+    assert any("strong axis" in each.text for each in weak.workbench.findings)
+    strong = HEB.changed(axis="strong")
+    assert (
+        "axis"
+        not in wb.simulate(
+            ColumnImpact("s", strong, Striker(1500.0, 10.0)), "four-dof"
+        ).workbench.headline
+    )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from functools import cache
 from math import ceil
 from pathlib import Path
 
@@ -15,15 +16,21 @@ from workbench.cli import run
 from workbench.report.drawing.style import looks
 from workbench.report.figures import KINDS, check_kind
 from workbench.responses.uncertainty import uncertainty_of
-from workbench.study import cells_of, load_study
+from workbench.study import Study, cells_of, load_study
 
 STUDIES = Path(__file__).resolve().parents[2] / "studies"
 FILES = sorted(STUDIES.glob("*.py"))
 
 
+@cache
+def shipped(name: str) -> Study:
+    """A study that comes with the workbench, drawn and laid out once."""
+    return load_study(str(STUDIES / f"{name}.py")).study
+
+
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
 def test_studies_load_and_their_quick_form_is_smaller(path: Path) -> None:
-    study = load_study(str(path)).study
+    study = shipped(path.stem)
     assert study.name == path.stem
     quick = study.quickened()
     assert 0 < len(list(quick.cells())) < len(list(study.cells()))
@@ -37,7 +44,7 @@ def test_studies_load_and_their_quick_form_is_smaller(path: Path) -> None:
 @pytest.mark.slow
 def test_references_of_pulses_are_closed() -> None:
     """Within 3 % of the peak; default meshes leave 5 and 29 % open here."""
-    study = load_study(str(STUDIES / "pulses.py")).study
+    study = shipped("pulses")
     case = next(c for c in study.cases if c.name == "HEB 220 clamped, point, 10 T, ductility 3")
     for label in study.references:
         answer = study.models[label].simulate(case.scenario)
@@ -102,7 +109,7 @@ def test_the_study_of_the_guide_is_one(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_published_numbers_are_asked_their_own_impacts() -> None:
-    study = load_study(str(STUDIES / "thesis_column.py")).study
+    study = shipped("thesis_column")
     asked = 0
     for case in study.cases:
         if case.scenario.KIND == "column-impact":
@@ -114,7 +121,7 @@ def test_published_numbers_are_asked_their_own_impacts() -> None:
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
 def test_captions_of_the_quick_form_name_nothing_that_it_leaves_out(path: Path) -> None:
-    study = load_study(str(path)).study
+    study = shipped(path.stem)
     quick = study.quickened()
     gone = {*study.models} - {*quick.models}
     gone |= {case.name for case in study.cases} - {case.name for case in quick.cases}
@@ -127,14 +134,14 @@ def test_captions_of_the_quick_form_name_nothing_that_it_leaves_out(path: Path) 
 
 
 def test_the_flagship_has_a_reference_inside_its_domain_in_its_quick_form() -> None:
-    quick = load_study(str(STUDIES / "thesis_column.py")).study.quickened()
+    quick = shipped("thesis_column").quickened()
     assert quick.ranked == ("web-yielding beam", "fiber beam")
     assert quick.decisive == "shear-peaks"
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
 def test_models_look_the_same_in_the_quick_form(path: Path) -> None:
-    study = load_study(str(path)).study
+    study = shipped(path.stem)
     whole, quick = looks(study), looks(study.quickened())
     kept = [label for label in quick if label != study.quickened().reference]
     assert {label: quick[label] for label in kept} == {label: whole[label] for label in kept}
@@ -148,7 +155,7 @@ def test_a_study_is_a_script_too() -> None:
 
 
 def test_the_quick_form_says_what_it_leaves_out() -> None:
-    study = load_study(str(STUDIES / "thesis_column.py")).study
+    study = shipped("thesis_column")
     quick = study.quickened()
     assert quick.notes[:-1] == study.notes
     assert quick.notes[-1].startswith(
@@ -158,5 +165,5 @@ def test_the_quick_form_says_what_it_leaves_out() -> None:
         assert label in quick.notes[-1]
     assert quick.whole is study
     assert study.whole is None
-    sweep = load_study(str(STUDIES / "column_sweep.py")).study.quickened()
+    sweep = shipped("column_sweep").quickened()
     assert sweep.notes[-1].endswith("Left out: cases (69 of 81).")

@@ -54,8 +54,9 @@ class Model(Protocol):
     `name` and `version` (raised when its numbers change) identify it; `answers` lists scenario
     kinds; `assumptions` are sentences. A model that knows strain rate or hardening by itself has a
     `material` that names them; others run with `with_strain_rate`. Optional: `crushing`, whether it
-    answers strikers that crush; `spatial`, whether those that hit off the plane of bending, and
-    `eccentric`, off the shear centre; `unused`, see `unused_inputs`; for many, see `models.batch`.
+    answers strikers that crush; `spatial`, whether those that hit off the plane of bending;
+    `eccentric`, whether those that hit beside the shear centre;
+    `unused`, see `unused_inputs`; for many, see `models.batch`.
     """
 
     name: ClassVar[str]
@@ -134,14 +135,16 @@ def findings_before(model: Model, scenario: Any, left_out: Sequence[Finding]) ->
 
 
 def striker_findings(model: Any, striker: Striker) -> list[Finding]:
-    """Refusals of a striker that crushes, or hits off plane or centre, which a model lacks."""
+    """Refusals of a striker that crushes, or hits off the plane or the axis, unknown to a model."""
     findings = []
     if striker.crushes and not getattr(model, "crushing", False):
         findings.append(finding("rigid-striker-alone", name=model.name))
-    if striker.angle and not getattr(model, "spatial", False):
-        findings.append(finding("off-plane", degrees(striker.angle), name=model.name))
-    if striker.eccentricity and not getattr(model, "eccentric", False):
-        findings.append(finding("eccentricity", striker.eccentricity, name=model.name))
+    farthest = float(np.max(striker.angle))  # of a stack
+    if farthest > 0.0 and not getattr(model, "spatial", False):
+        findings.append(finding("off-plane", degrees(farthest), name=model.name))
+    beside = float(np.max(np.abs(striker.eccentricity)))
+    if beside > 0.0 and not getattr(model, "eccentric", False):
+        findings.append(finding("eccentricity", beside, name=model.name))
     return findings
 
 

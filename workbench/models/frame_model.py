@@ -374,7 +374,8 @@ def _standing(
     group = model.group(frame, cut)
     members = SuperelementMembers(group, cut.coordinates, parts)
     inertia = joint_inertias(cut.nodes, cut.pieces)
-    structure = apply_dead_loads(frame, cut.coordinates, [group], members, rotary_inertia=inertia)
+    assembly = PlanarAssembly(cut.coordinates, [group])
+    structure = apply_dead_loads(frame, assembly, members, rotary_inertia=inertia)
     if frame.steel.rate is not None and (share := group.envelope_share()) >= 1.0:
         raise out_of_domain("bars-at-rest", share=share)
     return as_column(structure) if column else structure

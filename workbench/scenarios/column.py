@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import pairwise
 from math import pi
@@ -228,6 +228,10 @@ class Striker(Declared, table="striker"):
         omitted=True,
         help="of the hit off the height of the section; 90 deg is along its flanges",
     )
+    friction: float = checked(
+        Number(0.0, 1e3), 0.0, omitted=True, help="of its face; 0 slides freely, much sticks"
+    )
+
     eccentricity: float = checked(
         Number(-2.5, 2.5, "m", advice="lengths are in metres, not millimetres"),
         0.0,
@@ -274,9 +278,8 @@ class Striker(Declared, table="striker"):
     @property
     def alone(self) -> Striker:
         """The striker without the place that it hits."""
-        place = self.angle, self.eccentricity
-        blow = self.mass, self.velocity, self.restitution
-        return Striker(*blow, self.stiffness, self.crush, *place)
+        names = (field.name for field in fields(Striker))
+        return Striker(**{name: getattr(self, name) for name in names})
 
 
 class Impact:
@@ -376,9 +379,14 @@ class ColumnImpact(Impact, Weighed, Declared, table="time"):
     def check(self) -> None:
         """Refuse gravity across what acts, and an angle to an axis that is given already."""
         super().check()
-        if self.striker.angle and self.column.axis == "weak":
+        if self.is_turned_twice:
             text = "must be left out with axis = weak, which is a hit along the flanges"
             raise self.striker.refusal("angle", text, "drop one of them")
+
+    @property
+    def is_turned_twice(self) -> bool:
+        """Whether the striker has an angle to a column that is bent about its weak axis."""
+        return (self.striker.angle > 0.0) & (self.column.axis == "weak")
 
     KIND: ClassVar[str] = "column-impact"
     READING: ClassVar[int] = 2  # raised when what all models read off their histories changes

@@ -26,12 +26,7 @@ from workbench.steel.materials import Steel
 
 Path_ = tuple[str | int, ...]
 _PARTS: dict[str, Any] = {"column": Column, "steel": Steel, "striker": Striker}
-_LAWS = (
-    "stiffness",
-    "hardening_modulus",
-    "angle",
-    "eccentricity",
-)  # with them, or without: other equations
+_LAWS = ("stiffness", "hardening_modulus")  # with them, or without: other equations
 NUMBERS: dict[Path_, Number] = {  # of struck columns, that may differ within a stack
     (table, field.name): field.metadata["rule"]
     for table, kind in {**_PARTS, "time": ColumnImpact}.items()
@@ -181,7 +176,8 @@ def _of_values(varied: Varied) -> Iterator[tuple[Indices, ColumnImpact | None]]:
         stack = _stacked(
             base, {path: array[members] for path, array in numbers.items()}, len(members)
         )
-        fit = inside[members] & ~(stack.column.is_squashed | stack.column.is_stocky)
+        refused = stack.column.is_squashed | stack.column.is_stocky | stack.is_turned_twice
+        fit = inside[members] & ~refused
         if fit.any():
             yield members[fit], take(stack, fit)
         if not fit.all():
@@ -243,8 +239,7 @@ def _same(scenario: Scenario) -> Any:
     given = tuple(getattr(column, name) is None for name in names)
     laws = steel.rate, steel.hardening_modulus
     ends = column.axis, *column.ends, *column.ends_about("weak")
-    striker = scenario.striker
-    directions = scenario.acceleration, striker.angle, striker.eccentricity
+    directions = scenario.acceleration, scenario.striker.angle > 0.0
     return column.section, column.fillets, *ends, *directions, laws, given
 
 

@@ -51,13 +51,13 @@ def result():
 
 def test_band_holds_the_critical_velocities_of_the_better_model(result):
     asked = setup()
-    scores = np.vstack([asked.uncertain.normal_scores(64, (1, k)) for k in range(4)])
+    scores = np.vstack([asked.uncertain.normal_scores(32, (1, k)) for k in range(4)])
     truth = Setup(asked.uncertain, asked.reference, None, asked.limit, asked.ends)
     outcome = Sampled.of(truth, scores, map).roots(truth, np.full(len(scores), log(9.0)))
     roots = np.array([root.log_velocity for root in outcome])
     for probability in (0.2, 0.5, 0.8):
         low, _, high = result.curve.velocity(probability)
-        margin = 0.35 * roots.std() / np.sqrt(len(roots))  # of 256 points of a Sobol sequence
+        margin = 0.35 * roots.std() / np.sqrt(len(roots))  # of 128 points of a Sobol sequence
         assert low - margin <= np.quantile(roots, probability) <= high + margin
 
 
@@ -91,7 +91,7 @@ def test_searches_in_step_are_those_of_single_calls(alone, limit, ends, duration
     uncertain = uncertain_from_text(text, [f"time.duration={duration}"])
     model = make_model("single-dof")
     asked = Setup(uncertain, Alone(model) if alone else model, None, limit, ends)
-    scores = uncertain.normal_scores(96, (1, 0))
+    scores = uncertain.normal_scores(48, (1, 0))
     starts = np.full(len(scores), log(9.0))
     together = Sampled.of(asked, scores, map).roots(asked, starts)
     assert kinds <= {root.kind for root in together}
@@ -394,6 +394,5 @@ def test_a_second_number_has_a_curve_for_each_value(file, tmp_path, capsys):
     assert light["seed"] == heavy["seed"]  # and so the samples of the other inputs
     for entry in content["curves"][1]["references"]:
         entry["log_ratio"] = 0.5
-    assert run(["verify", str(out)]) == 0
     out.write_text(json.dumps(content))
     assert run(["verify", str(out)]) == 1

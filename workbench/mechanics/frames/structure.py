@@ -9,7 +9,7 @@ The element itself stands in `structures/superelements`, the two models in `mode
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -268,22 +268,18 @@ def own_weight(frame: Frame, assembly: PlanarAssembly) -> Array:
 
 def apply_dead_loads(
     frame: Frame,
-    coordinates: Array,
-    groups: Sequence[ElementGroup],
+    assembly: PlanarAssembly,
     members: MemberReader,
     *,
-    ties: Iterable[tuple[int, int]] = (),
     rotary_inertia: Array | None = None,
 ) -> FrameStructure:
     """Support a frame, bring its dead loads on, then its springs and locks.
 
-    Arguments: `coordinates` (nodes, 2) in m, those of the frame's nodes first and in their order;
-    element `groups`, and the reader of its `members`; `ties`, pairs
-    (master, slave) of nodes that share translations only; `rotary_inertia`
-    (nodes,) in kg m2, beside what frame and members give. Springs are unstressed, and locked nodes
-    stand still, once the dead loads are on. Raises `SolverError` when those find no equilibrium.
+    Arguments: `assembly` with the frame's nodes first and in their order, in the plane or in space;
+    the reader of its `members`; `rotary_inertia` (nodes,) in kg m2, beside what frame and members
+    give. Springs are unstressed, and locked nodes stand still, once the dead loads are on. Raises
+    `SolverError` when those find no equilibrium.
     """
-    assembly = PlanarAssembly(coordinates, groups, ties=ties)
     held = [(number, part) for number, node in enumerate(frame.nodes) for part in node.held]
     held += [(number, "rotation") for number in free_to_spin(frame)]
     assembly.hold([assembly.dof(*each) for each in held])

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from copy import copy
 from functools import lru_cache
 from math import ceil, isfinite, log
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import scipy
@@ -24,8 +24,12 @@ class PlanarAssembly:
     consistent with linear interpolation; `ties`, pairs (master, slave) of nodes at one place: the
     slave shares u and v of the master but turns by itself. Nodes are renumbered inside to keep
     the band narrow, so dofs come from `dof(node, component)`. `displacement` and `velocity` are
-    the committed state; a trial state lives in the groups until `commit`.
+    the committed state; a trial state lives in the groups until `commit`. Of the `components` of a
+    node the first `axes` are translations.
     """
+
+    components: ClassVar[dict[str, int]] = COMPONENTS
+    axes: ClassVar[int] = 2
 
     def __init__(
         self,
@@ -35,15 +39,16 @@ class PlanarAssembly:
         lumped: bool = False,
         ties: Iterable[tuple[int, int]] = (),
     ) -> None:
-        self.coordinates: Array = np.asarray(coordinates, dtype=float).reshape(-1, 2)
+        self.coordinates: Array = np.asarray(coordinates, dtype=float).reshape(-1, self.axes)
         self.groups = tuple(groups)
-        self.size = 3 * len(self.coordinates)
+        each = len(self.components)
+        self.size = each * len(self.coordinates)
         self._master: Indices = np.arange(len(self.coordinates), dtype=np.int64)
         for leader, slave in ties:
             self._master[slave] = leader  # whose translations the node has
         self._dof_of_node = self._numbering()
-        placed = [self._dof_of_node[group.nodes].reshape(-1, 6) for group in self.groups]
-        self.width = max(5, *(int(np.max(np.ptp(dofs, axis=1))) for dofs in placed))
+        placed = [self._dof_of_node[group.nodes].reshape(-1, 2 * each) for group in self.groups]
+        self.width = max(2 * each - 1, *(int(np.max(np.ptp(dofs, axis=1))) for dofs in placed))
         self._rows = 3 * self.width + 1
         self.shortest = np.inf
         for group, dofs in zip(self.groups, placed, strict=True):
@@ -73,7 +78,7 @@ class PlanarAssembly:
     # -- numbering ---------------------------------------------------------------------------
 
     def _numbering(self) -> Indices:
-        """Dofs (nodes, 3); those that a tied node does not use are kept in `_unused`."""
+        """Dofs (nodes, components); those that a tied node does not use are kept in `_unused`."""
         count = len(self.coordinates)
         tied = self._master != np.arange(count)
         pairs = np.concatenate([group.nodes for group in self.groups])
@@ -82,14 +87,15 @@ class PlanarAssembly:
             across = np.stack([pairs, master[:, ::-1]], axis=2).reshape(-1, 2)
             same = np.stack([pairs, master], axis=2).reshape(-1, 2)
             pairs = np.concatenate([pairs, master, across, same])
-        dofs = 3 * _places(pairs.tobytes(), count)[:, None] + np.arange(3)
-        self._unused: Indices = np.sort(dofs[tied, :2].ravel())
-        dofs[:, :2] = dofs[self._master, :2]
+        each, shared = len(self.components), slice(self.axes)
+        dofs = each * _places(pairs.tobytes(), count)[:, None] + np.arange(each)
+        self._unused: Indices = np.sort(dofs[tied, shared].ravel())
+        dofs[:, shared] = dofs[self._master, shared]
         return dofs
 
     def dof(self, node: int, component: str) -> int:
-        """Number of a dof; `component` is u, v or rotation. A slave's u and v are its master's."""
-        return int(self._dof_of_node[node, COMPONENTS[component]])
+        """Number of a dof, `component` one of `components`; a slave's u and v are its master's."""
+        return int(self._dof_of_node[node, self.components[component]])
 
     def dofs(self, nodes: Iterable[int], component: str) -> Indices:
         """Numbers of the same dof of several nodes."""
@@ -97,12 +103,12 @@ class PlanarAssembly:
 
     def _place(self, group: ElementGroup, dofs: Indices) -> None:
         chords = np.diff(self.coordinates[group.nodes], axis=1)[:, 0]
-        lengths = np.hypot(*chords.T)
+        lengths = np.hypot.reduce(chords.T)
         shortest = np.min(lengths, where=lengths > 0.0, initial=np.inf)
         self.shortest = min(self.shortest, float(shortest))
         rows, columns = dofs[:, :, None], dofs[:, None, :]
         positions = columns * self._rows + 2 * self.width + rows - columns
-        group.place(Bars(dofs, positions.reshape(-1, 36), chords, lengths))
+        group.place(Bars(dofs, positions.reshape(len(dofs), -1), chords, lengths))
 
     # -- what is attached to dofs ------------------------------------------------------------
 
@@ -115,24 +121,26 @@ class PlanarAssembly:
             pattern /= 6.0
         for group in self.groups:
             positions = group.bars.positions
-            inertia = np.stack([np.asarray(m) for m in group.masses()])[[0, 0, 1]]
-            for component in range(3):
+            each, inertia = len(self.components), [np.asarray(m) for m in group.masses()]
+            for component in range(each):
                 for i in range(2):
                     for j in range(2):
-                        place = positions[:, 6 * (3 * i + component) + 3 * j + component]
-                        np.add.at(self.mass, place, pattern[i, j] * inertia[component])
+                        at = 2 * each * (each * i + component) + each * j + component
+                        mass = inertia[component >= self.axes]
+                        np.add.at(self.mass, positions[:, at], pattern[i, j] * mass)
             matrices = group.mass_matrices()
             if matrices is not None:
                 np.add.at(self.mass, positions, matrices.reshape(-1, 36))
 
     def add_mass(self, node: int, mass: float, rotary: float = 0.0) -> None:
         """Add a point mass (kg), and a rotary inertia (kg m2), to a node."""
-        for component, value in (("u", mass), ("v", mass), ("rotation", rotary)):
+        for component, number in self.components.items():
+            value = mass if number < self.axes else rotary
             self.mass[self._diagonal(self.dof(node, component))] += value
 
     def add_rotary_inertia(self, inertia: Array) -> None:
         """Add rotary inertias (nodes,) in kg m2 to all nodes."""
-        self.mass[self._diagonal(self._dof_of_node[:, COMPONENTS["rotation"]])] += inertia
+        self.mass[self._diagonal(self._dof_of_node[:, self.axes :])] += inertia[:, None]
 
     def add_spring(self, dof: int, stiffness: float) -> None:
         """Put a spring (N/m or N m/rad) to the ground on a dof, unstressed as it is now."""

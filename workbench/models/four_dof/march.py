@@ -189,7 +189,7 @@ def along_tangent(bars: Any) -> bool:
     """
     if "law" in bars.dtype.names:
         return not any(bars["law"][body]["hardening"] for body in ("whole", "web"))
-    return not bars["sliding"]
+    return "sliding" not in bars.dtype.names or not bars["sliding"]
 
 
 @njit(cache=True, error_model="numpy")
@@ -437,12 +437,23 @@ def read(column, records, progress, given, bounces, numbers):
 
     Arguments: the energy `given` (J); whether the striker `bounces`.
     """
+    numbers[5] = np.abs(turned(column, records)).max()
+    for n in range(records.size):
+        for bar in range(2 if column.sliding else 0):
+            slid = abs(records[n].plastic[bar, 3])
+            numbers[8] = max(numbers[8], slid) if n > 0 or bar else 0.0
+    return read_hit(records, progress, given, bounces, numbers)
+
+
+@njit(cache=True, error_model="numpy")
+def read_hit(records, progress, given, bounces, numbers):
+    """Write what all columns of two bars have: the first five, and axial forces; as `read`."""
     time, v, percussion = records["time"], records["displacement"], records["percussion"]
     numbers[0], numbers[1] = standstill(records, progress, bounces)
     if not np.isnan(numbers[0]) and not percussion[-1] > 0.0:
         numbers[2] = mean_of_cycles(time, v)
     numbers[3] = largest_window(time[1:], percussion[1:], FORCE_WINDOW) / FORCE_WINDOW
-    numbers[4], numbers[5] = percussion.sum(), np.abs(turned(column, records)).max()
+    numbers[4] = percussion.sum()
     numbers[6] = numbers[7] = 0.0
     balance, start = np.empty(records.size), records[0]
     for n in range(records.size):
@@ -450,8 +461,6 @@ def read(column, records, progress, given, bounces, numbers):
         for bar in range(2):
             numbers[6] = max(numbers[6], -row.stress[bar, 0])
             numbers[7] = max(numbers[7], row.stress[bar, 0])
-            if column.sliding:
-                numbers[8] = max(numbers[8], abs(row.plastic[bar, 3])) if n > 0 or bar else 0.0
         brought = given + row.external_work - start.external_work
         gained = row.elastic - start.elastic
         balance[n] = _unbalanced(brought, row.kinetic, gained, row.dissipated, row.contact_loss)

@@ -40,7 +40,7 @@ from workbench.models.domain import (
 from workbench.models.elastic_springs import Springs, beam_springs, thesis_springs
 from workbench.models.four_dof import march, statics
 from workbench.models.four_dof.kinematics import U2, V
-from workbench.models.four_dof.march import along_tangent
+from workbench.models.four_dof.march import NEARLY, along_tangent
 from workbench.models.hit_mass import HIT_MASS, THESIS, WAVES, with_hit_mass
 from workbench.models.strain_rate import FACTOR, RATE_LEVELS, check_bars, flows
 from workbench.responses import VARIABLES, Finding, Response, build_response, finding, open_share
@@ -103,6 +103,7 @@ class RigidBars(Answering):
         (2e-5, 2e-4, 0.3),
     )
     crushing: ClassVar[bool] = True
+    marches: ClassVar[Any] = march
     BALANCE: ClassVar[float] = 1e-6  # of the input energy, in which the ledger closes
 
     def check(self) -> None:
@@ -253,13 +254,20 @@ class RigidBars(Answering):
         else:
             raise SolverError("the energy balance", error, "tolerances and steps down to a 256th")
         solved = perf_counter() - started
-        values |= _histories(scenario.column, bars, records)
-        values["plastic_rotation"] = march.turned(bars, run.records)
+        values |= self._values(scenario.column, bars, run)
         residual, warnings = resting(scenario)
         values |= run.peak(scenario.striker.rebounds) | residual
         response = build_response(values, time=records["time"], warnings=warnings, **_NAMES)
         response.attrs |= {"solve_time": solved, "dead_displacement": float(bars["sag"])}
         return response
+
+    def _values(self, column: Column, bars: Any, run: FollowedImpact) -> dict[str, Any]:
+        """Histories of a followed impact beside those of all impacts."""
+        turned = march.turned(bars, run.records)
+        return _histories(column, bars, run.histories) | {"plastic_rotation": turned}
+
+    def _strike(self, bars: Any, scenario: ColumnImpact) -> None:
+        """Write where the hit comes from into the `bars`: in a plane nothing."""
 
     def _march(
         self, scenario: ColumnImpact, pace: Pace, weight: float
@@ -375,11 +383,11 @@ class FourDof(RigidBars):
 
     def stackable(self, scenario: ColumnScenario) -> bool:
         """Whether it answers such impacts in stacks."""
-        return _stackable(self, scenario)
+        return stackable(self, scenario)
 
     def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> BatchAnswers:
         """Answers to a stack of impacts, see `models.batch`; none of those that are `refused`."""
-        return _answer_stack(self, scenario, refused)
+        return answer_stack(self, scenario, refused)
 
     def refused(self, scenario: ColumnImpact) -> Any:
         """Whether the domain refuses an impact; flags of a stack."""
@@ -440,11 +448,11 @@ class FourDofShear(RigidBars):
 
     def stackable(self, scenario: ColumnScenario) -> bool:
         """Whether it answers such impacts in stacks."""
-        return _stackable(self, scenario) and has_shear_surface(scenario.column.section)
+        return stackable(self, scenario) and has_shear_surface(scenario.column.section)
 
     def answer_stack(self, scenario: ColumnImpact, refused: Flags) -> BatchAnswers:
         """Answers to a stack of impacts, see `models.batch`; none of those that are `refused`."""
-        return _answer_stack(self, scenario, refused)
+        return answer_stack(self, scenario, refused)
 
     def refused(self, scenario: ColumnImpact) -> Any:
         """Whether the domain refuses an impact; flags of a stack."""
@@ -474,24 +482,24 @@ class FourDofShear(RigidBars):
             bars["law"] = panel_law(surface)
 
 
-def _stackable(model: FourDof | FourDofShear, scenario: ColumnScenario) -> bool:
+def stackable(model: RigidBars, scenario: ColumnScenario) -> bool:
+    """Whether a model answers such impacts in stacks."""
     if not isinstance(scenario, ColumnImpact) or scenario.striker.crushes or scenario.acceleration:
         return False
     return model.time_step is None and not flows(model, scenario.column.steel)
 
 
-def _answer_stack(
-    model: FourDof | FourDofShear, scenario: ColumnImpact, refused: Flags
-) -> BatchAnswers:
+def answer_stack(model: Any, scenario: ColumnImpact, refused: Flags) -> BatchAnswers:
     """Answers to a stack: those whose ledger is open are followed again, as single ones are."""
     struck = with_hit_mass(scenario, model.hit_mass)
     column, striker = struck.column, struck.striker
     count = len(refused)
-    table, q = model.table_of(column, count)
+    (table, q), march = model.table_of(column, count), model.marches
+    model._strike(table, struck)
     codes = np.where(refused, UNKNOWN, SURVIVES)
     numbers, errors = np.full((count, len(march.SCALARS)), np.nan), np.zeros(count)
     given, which = spread(struck.input_energy, count), np.flatnonzero(codes == SURVIVES)
-    nearly = march.NEARLY if along_tangent(table[0]) else 0.0
+    nearly = NEARLY if along_tangent(table[0]) else 0.0
     for refinement in range(PACES):
         drive = *model.pace(struck, refinement), striker.mass, striker.velocity, striker.restitution
         drives = np.stack([spread(each, count) for each in (*drive, 0.0)], axis=1)

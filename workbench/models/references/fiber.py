@@ -443,7 +443,8 @@ class FiberReference(FrameModel):
         springs = joint_springs(frame, mesh)
         members = FiberMembers(frame, mesh, beams, springs, self.sampled, self.shear_yields)
         groups = [beams] if springs is None else [beams, springs]
-        return apply_dead_loads(frame, mesh.coordinates, groups, members, ties=mesh.ties)
+        assembly = PlanarAssembly(mesh.coordinates, groups, ties=mesh.ties)
+        return apply_dead_loads(frame, assembly, members)
 
     def placed(self, mesh: FrameMesh) -> FrameMesh:
         """The mesh with its nodes where they are before any load."""

@@ -8,6 +8,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from itertools import pairwise
+from math import cos, degrees, sin
 from typing import Any
 
 import numpy as np
@@ -17,8 +18,10 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.transforms import Bbox
 
 from workbench.report.drawing.frame import (
+    ACTION,
     TINTS,
     Layout,
+    arrow,
     cross_section,
     dimension,
     draw_actions,
@@ -31,7 +34,7 @@ from workbench.report.drawing.frame import (
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, first, nothing
 from workbench.report.drawing.style import MUTED, TEXT_WIDTH, Shown
 from workbench.report.page.formatting import TIMES, brief
-from workbench.scenarios import Frame, FrameScenario
+from workbench.scenarios import Frame, FrameImpact, FrameScenario
 
 _MOST = 2
 _EDGE, _BETWEEN, _LINE_END = 0.08, 0.35, 0.02  # inches
@@ -39,6 +42,7 @@ _ROOM = 20.0  # inches of the canvas that structures are drawn on before their s
 _ROW = 0.38
 _MOST_SPANS = 8
 _LINE = 14  # characters of a section's name
+_PLAN = 0.3  # length of the arrow of a hit on a section
 _UNITS = ("m2", "m4", "Nm", "N", "N", "kg_per_m")  # of the properties of members
 _JOINT = (
     ("rotational_stiffness", "rotational stiffness {} kN m/rad", 1e3),
@@ -94,7 +98,7 @@ def _draw_structure(panel: Axes, frame: Frame, scenarios: list[FrameScenario]) -
     # what stands above the frame does not keep dimension lines away
     _draw_dimensions(panel, layout, hit, complex(_box(panel, top).x1 - 0.1, _box(panel).y0 + 0.12))
     corner = complex(_box(panel, top).x1 + 0.25, top + 0.1)
-    notes = _draw_sections(panel, frame, corner) + notes
+    notes = _draw_sections(panel, frame, corner, _plan_directions(scenarios)) + notes
     if layout.deepened:
         text = "Some members are drawn deeper than they are, so that they can be seen."
         notes.append(text)
@@ -202,10 +206,33 @@ def spans(levels: Sequence[float]) -> list[tuple[float, float, str]]:
     return [(levels[0], levels[-1], text)]
 
 
-def _draw_sections(panel: Axes, frame: Frame, corner: complex) -> list[str]:
+def _plan_directions(scenarios: Sequence[FrameScenario]) -> list[float]:
+    """Angles (rad) of strikers off the height of a section, where one is not hit along its web."""
+    impacts = [each for each in scenarios if isinstance(each, FrameImpact)]
+    weak = any(member.axis == "weak" for each in impacts for member in each.frame.members)
+    angles = {each.striker.angle for each in impacts}
+    return sorted(angles) if weak or any(angles) else []
+
+
+def _plan_arrows(panel: Axes, section: complex, centre: complex, angles: Sequence[float]) -> float:
+    """Arrows of hits at `angles` (rad) off the height of a section, b + i h; return their depth."""
+    for angle in angles:
+        along = complex(sin(angle), cos(angle))
+        reach = 0.5 * (section.imag * along.imag + section.real * along.real)
+        start = centre - (reach + _PLAN) * along
+        arrow(panel, start, centre - (reach + 0.02) * along, ACTION)
+        if angle > 0.0:
+            note(panel, start - 0.09 * along, f"{degrees(angle):.3g}°", ACTION, ha="center")
+    return _PLAN + 0.1 if angles else 0.0
+
+
+def _draw_sections(
+    panel: Axes, frame: Frame, corner: complex, angles: Sequence[float]
+) -> list[str]:
     """Cross sections, enlarged to one scale, and joints, below the upper left `corner`.
 
-    Returns sentences on what has no room, and on the joints.
+    The first one is hit at `angles` (rad) off its height. Returns sentences on what has no room,
+    and on the joints.
     """
     left, high = corner.real, corner.imag
     notes: list[str] = []
@@ -220,6 +247,8 @@ def _draw_sections(panel: Axes, frame: Frame, corner: complex) -> list[str]:
         side, over = centre + b / 2 + 0.09, centre + 1j * (h / 2 + 0.09)
         dimension(panel, side - 0.5j * h, side + 0.5j * h, f"{brief(1e3 * section.height)} mm")
         dimension(panel, over - b / 2, over + b / 2, f"{brief(1e3 * section.width)} mm")
+        if i == 0:
+            high -= _plan_arrows(panel, complex(b, h), centre, angles)
         lines = textwrap.wrap(section.name.replace(" x ", TIMES), _LINE)
         if len(strengths) > 1:
             members = [member for member in frame.members if member.section == given]

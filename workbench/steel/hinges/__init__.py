@@ -1,5 +1,6 @@
-"""Generalized elasto-plastic hinges with N-M and N-M-V yield surfaces."""
+"""Generalized elasto-plastic hinges with N-M, N-M-V and N-My-Mz yield surfaces."""
 
+from workbench.steel.hinges.interaction import BiaxialSurface as BiaxialSurface
 from workbench.steel.hinges.interaction import ShearSurface as ShearSurface
 from workbench.steel.hinges.interaction import YieldSurface as YieldSurface
 from workbench.steel.hinges.interaction import has_bar_law as has_bar_law

@@ -1,4 +1,6 @@
-"""Plastic interaction: super-elliptic N-M surfaces, rules of practice, the N-M-V domain of webs.
+"""Plastic interaction: super-elliptic N-M surfaces, rules of practice, domains of plates.
+
+Domains: N-M-V of webs, and the exact one of N, My and Mz of a section hit from any side.
 
 A rule gives m = |M|/M_p over n = |N|/N_p: the exact curve of the section, and what practice puts in
 its place. Hinges take it as a convex polyline.
@@ -9,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
+from math import pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -17,7 +20,7 @@ from numpy.typing import ArrayLike
 from workbench.base.arrays import Array, Flags
 from workbench.base.errors import InputError
 from workbench.base.fields import Choice, Declared, Instance, Number, checked
-from workbench.steel.hinges import panel_kernels
+from workbench.steel.hinges import biaxial_kernels, panel_kernels
 from workbench.steel.materials import Steel
 from workbench.steel.sections import (
     CircularTube,
@@ -35,6 +38,7 @@ _EXPONENT = Number(
     1.0, 20.0, advice="exponents below 1 make the surface non-convex: flow would not be unique"
 )
 ANGLES = 181  # of the (n, m) plane between 0 and 90 degrees, as in the fit of super-ellipses
+_FILLET = 0.2234  # of the root radius: distance of a fillet's centroid from both plates
 _STRAIGHT = 1e-9  # deviation from a straight line that counts as none
 
 
@@ -344,3 +348,78 @@ class ShearSurface(Declared, table="shear_surface"):
             moments[i] = panel_kernels.moment_capacity(web, n[i], rho[i])[0]
         inside = (v <= 1.0) & (n <= web["flange_axial"] + rho * web["web_axial"])
         return np.where(inside, moments, np.nan)
+
+
+def rectangles(section: Section) -> Array:
+    """Rectangles that a section is the sum of: y, z of the centre, half sides, sign (n, 5), in m.
+
+    A root fillet is a square of its area about its centroid; a hollow section one less another.
+    Empty for round tubes.
+    """
+    shape = section.shape
+    if isinstance(shape, Rectangle):
+        return np.array([[0.0, 0.0, shape.height / 2.0, shape.width / 2.0, 1.0]])
+    if isinstance(shape, RectangularTube):
+        outer = np.array([0.0, 0.0, shape.height / 2.0, shape.width / 2.0, 1.0])
+        wall = np.array([0.0, 0.0, shape.wall, shape.wall, 2.0])
+        return np.stack([outer, outer - wall])
+    if not isinstance(shape, ISection):
+        return np.empty((0, 5))
+    middle, clear = (shape.height - shape.flange) / 2.0, shape.height / 2.0 - shape.flange
+    flange = shape.flange / 2.0, shape.width / 2.0, 1.0
+    plates = [[side * middle, 0.0, *flange] for side in (1.0, -1.0)]
+    plates.append([0.0, 0.0, clear, shape.web / 2.0, 1.0])
+    if shape.fillet:
+        half = 0.5 * sqrt(1.0 - pi / 4.0) * shape.fillet
+        y, z = clear - _FILLET * shape.fillet, shape.web / 2.0 + _FILLET * shape.fillet
+        plates += [[a * y, b * z, half, half, 1.0] for a in (1, -1) for b in (1, -1)]
+    return np.array(plates)
+
+
+@dataclass(frozen=True)
+class BiaxialSurface(Declared, table="biaxial_surface"):
+    """Admissible N, My and Mz of a `section`, all over the plastic ones. Raises `InputError`.
+
+    y runs along the height of a section, z along its width: My bends about the strong axis of an I
+    section, Mz about its weak one.
+
+    Convex, since it is the set of all stresses within the yield stress. Rules of practice lie up
+    to 27 % outside of it between the planes, and not all of them are convex.
+    """
+
+    section: Section = checked(Instance(Section))
+
+    @cached_property
+    def record(self) -> Any:
+        """The surface as the kernels take it."""
+        surface = np.zeros((), biaxial_kernels.SURFACE)
+        shape, parts = self.section.shape, rectangles(self.section)
+        if isinstance(shape, CircularTube):
+            radii = shape.diameter / 2.0 - np.array([0.0, shape.wall])
+            signs = np.array([1.0, -1.0])
+            area, first = pi * signs @ radii**2, 4.0 / 3.0 * signs @ radii**3
+            surface["discs"] = np.stack([pi * signs * radii**2, radii * area**2 / first], 1) / area
+            return surface[()]
+        count, areas = len(parts), 4.0 * parts[:, 2] * parts[:, 3] * parts[:, 4]
+        surface["count"], surface["share"][:count] = count, areas / areas.sum()
+        g, H = np.empty(3), np.empty((3, 3))
+        for axis, (centre, half) in enumerate((("y", "half_y"), ("z", "half_z")), 1):
+            surface[centre][:count] = parts[:, axis - 1]
+            surface[half][:count] = parts[:, axis + 1]
+            pure = biaxial_kernels.support(surface[()], np.eye(3)[axis], g, H)  # W / A
+            surface[centre] /= pure
+            surface[half] /= pure
+        return surface[()]
+
+    def support(self, flow: ArrayLike) -> tuple[float, Array, Array]:
+        """Dissipation of a `flow` times the plastic forces (3,), its gradient and its Hessian."""
+        g, H = np.empty(3), np.empty((3, 3))
+        return biaxial_kernels.support(self.record, np.array(flow, float), g, H), g, H
+
+    def gauge(self, forces: ArrayLike) -> Array:
+        """How far out forces (..., 3) over the plastic ones are: 1 on the surface, 0 without."""
+        given = np.array(forces, float)
+        gauges, room = np.empty(given.shape[:-1]), np.zeros(1, biaxial_kernels.ROOM)[0]
+        for i in np.ndindex(gauges.shape):
+            gauges[i] = biaxial_kernels.gauge(self.record, given[i], given[i].copy(), room, False)
+        return gauges

@@ -149,6 +149,11 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     if striker is not None and striker.crushes:
         return TruthRatio(np.empty(0), reason="errors were measured with rigid strikers")
     frame = frame_scenario(scenario).frame
+    if striker is not None and striker.angle:
+        return TruthRatio(np.empty(0), reason="errors were measured in the plane of the web")
+    if any(m.axis == "weak" and m.section != m.section.about("strong") for m in frame.members):
+        reason = "errors were measured about the strong axis"
+        return TruthRatio(np.empty(0), reason=reason)
     if getattr(scenario, "acceleration", 0.0) or any(frame.gravity) or frame.line_loads.any():
         reason = "errors were measured without gravity and line loads"
         return TruthRatio(np.empty(0), reason=reason)

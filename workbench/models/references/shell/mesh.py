@@ -155,7 +155,7 @@ def supports_of(mesh: ShellMesh, column: Column, upright: bool = False) -> Suppo
     return Supports(tied, tuple(plates))
 
 
-class Target(NamedTuple):
+class FaceTarget(NamedTuple):
     """Line in the plane of the section that a face meets, and what of it.
 
     Number of the coordinate that is the same on it (0: x, of a flange; 1: y, of the edges of both
@@ -175,7 +175,7 @@ class Target(NamedTuple):
         return (self.level, end) if self.fixed == 0 else (end, self.level)
 
 
-def target_of(section: Section, direction: float, eccentricity: float) -> Target:
+def target_of(section: Section, direction: float, eccentricity: float) -> FaceTarget:
     """Part of a section that a hit meets first.
 
     Arguments: `direction` (rad) off the height of the section; `eccentricity` (m) of its line from
@@ -185,13 +185,13 @@ def target_of(section: Section, direction: float, eccentricity: float) -> Target
     c, s = cos(direction), sin(direction)
     y = (eccentricity - high * s) / c if c > _ALONG else -np.inf
     if abs(y) <= wide or s < _ALONG:
-        return Target(0, -high, y, wide - abs(y))
+        return FaceTarget(0, -high, y, wide - abs(y))
     x = (wide * c + eccentricity) / -s
-    return Target(1, -wide, x, high - abs(x))
+    return FaceTarget(1, -wide, x, high - abs(x))
 
 
 def face_of(
-    mesh: ShellMesh, level: float, size: tuple[float, float], target: Target | None
+    mesh: ShellMesh, level: float, size: tuple[float, float], target: FaceTarget | None
 ) -> tuple[Indices, Array]:
     """Nodes that a face meets, and their shares of its force, which is spread evenly over it.
 

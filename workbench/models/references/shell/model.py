@@ -24,7 +24,7 @@ from workbench.models.hit_mass import light_impact_mass
 from workbench.models.references.refine import LEVELS, MESHES, check_levels, refined
 from workbench.models.references.shell.assembly import ShellAssembly, shell_column
 from workbench.models.references.shell.mesh import (
-    Target,
+    FaceTarget,
     face_of,
     target_of,
 )
@@ -199,7 +199,7 @@ class ShellRecord:
     """
 
     def __init__(
-        self, shells: ShellAssembly, scenario: ColumnImpact, target: Target, direction: float
+        self, shells: ShellAssembly, scenario: ColumnImpact, target: FaceTarget, direction: float
     ) -> None:
         self.shells, mesh = shells, shells.mesh
         self._way = np.array([np.cos(direction), np.sin(direction)])

@@ -1,0 +1,458 @@
+"""The co-rotational frame of a two-node element in space, shared by every local law.
+
+Deformations d = (l - L, theta_1, theta_2): elongation of the chord and the rotation vectors of both
+nodes against the element frame, seven numbers; conjugate forces Q = (N, M_1, M_2). The frame has
+r1 along the chord, and r2 next to the mean of the second axes of both nodes. Motions m = (x_1,
+spin_1, x_2, spin_2), twelve; B = dd/dm and the geometric part d(B'Q)/dm are closed forms.
+
+Time step: nodes turn by R_1 = cay(psi) R_0 with omega_0 + omega_1 = 2 psi / dt. The force of a step
+is B'Q at its middle (mean place, half the rotation) plus what is missing to the exact work, along
+the part of the step that is no rigid motion: energy, momentum and angular momentum are exact.
+
+Triads (3, 3) have their axes as columns. Vectors are in element axes unless said.
+Sources: Battini and Pacoste 2002 (frame); Simo and Tarnow 1992, Gonzalez 1996 (discrete gradient).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from workbench.base.arrays import Array
+from workbench.base.compiled import njit
+
+SMALL = 1e-2  # rad; below it the coefficients of the inverse tangent map are taken from series
+LEAST_GAP = 1e-13  # strain of a step times its turn squared, below which rounding is all there is
+
+
+class SpaceFrame(NamedTuple):
+    """An element's frame and deformations at one place, as `take_frame` writes it.
+
+    `axes` (3, 3), r1 to r3 as columns; chord length and 1 / q_y in `sizes` (2,); deformations `d`
+    (7,); second axes `q` (2, 3) of the nodes; inverse tangent maps `inverse` (2, 3, 3); spin of the
+    frame `spin` (3, 12) and of the nodes against it `against` (2, 3, 12) per motion; `B` (7, 12)
+    per motion in global axes.
+    """
+
+    axes: Array
+    sizes: Array
+    d: Array
+    q: Array
+    inverse: Array
+    spin: Array
+    against: Array
+    B: Array
+
+
+@njit(cache=True, error_model="numpy")
+def empty_frame():
+    """A frame to write into."""
+    small, wide = np.zeros((3, 3)), np.zeros((3, 12))
+    pairs, against = np.zeros((2, 3, 3)), np.zeros((2, 3, 12))
+    numbers = np.zeros(2), np.zeros(7)
+    return SpaceFrame(
+        small, numbers[0], numbers[1], np.zeros((2, 3)), pairs, wide, against, np.zeros((7, 12))
+    )
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def cross(a, b, result):
+    """Vector product of a and b."""
+    result[0] = a[1] * b[2] - a[2] * b[1]
+    result[1] = a[2] * b[0] - a[0] * b[2]
+    result[2] = a[0] * b[1] - a[1] * b[0]
+
+
+@njit(cache=True, error_model="numpy")
+def turn(psi, share, triad, result):
+    """Triad turned by the Cayley map of `share` times `psi`."""
+    x, y, z = share * psi[0], share * psi[1], share * psi[2]
+    a = 1.0 / (1.0 + 0.25 * (x * x + y * y + z * z))
+    for j in range(3):
+        p, q, r = triad[0, j], triad[1, j], triad[2, j]
+        u, v, w = y * r - z * q, z * p - x * r, x * q - y * p
+        result[0, j] = p + a * (u + 0.5 * (y * w - z * v))
+        result[1, j] = q + a * (v + 0.5 * (z * u - x * w))
+        result[2, j] = r + a * (w + 0.5 * (x * v - y * u))
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def half_share(psi):
+    """Share of `psi` that is half of its rotation: 1 / (1 + sqrt(1 + |psi|^2 / 4))."""
+    return 1.0 / (
+        1.0 + math.sqrt(1.0 + 0.25 * (psi[0] * psi[0] + psi[1] * psi[1] + psi[2] * psi[2]))
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def spin_map(psi, share, result):
+    """Derivative (3, 3) of the spin of the Cayley map with respect to its vector.
+
+    Of the whole `psi` (share 1), or of half its rotation with `share` = `half_share(psi)`.
+    """
+    square = psi[0] * psi[0] + psi[1] * psi[1] + psi[2] * psi[2]
+    root = math.sqrt(1.0 + 0.25 * square)
+    # d(share psi) = share d(psi) - psi (psi . d(psi)) share^2 / (4 root) for the half; and
+    # spin = (v + psi x v / 2) / (1 + |psi|^2 / 4) for a change v of psi
+    slope = 0.0 if share == 1.0 else share * share / (4.0 * root)
+    x, y, z = share * psi[0], share * psi[1], share * psi[2]
+    a = 1.0 / (1.0 + 0.25 * (x * x + y * y + z * z))
+    for j in range(3):
+        p, q, r = -slope * psi[0] * psi[j], -slope * psi[1] * psi[j], -slope * psi[2] * psi[j]
+        if j == 0:
+            p += share
+        elif j == 1:
+            q += share
+        else:
+            r += share
+        result[0, j] = a * (p + 0.5 * (y * r - z * q))
+        result[1, j] = a * (q + 0.5 * (z * p - x * r))
+        result[2, j] = a * (r + 0.5 * (x * q - y * p))
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def tangent_numbers(angle):
+    """Factor eta of the inverse tangent map 1 - hat / 2 + eta hat^2, and eta' / angle."""
+    s = angle * angle
+    if angle < SMALL:
+        eta = 1.0 / 12.0 + s * (1.0 / 720.0 + s * (1.0 / 30240.0 + s / 1209600.0))
+        return eta, 1.0 / 360.0 + s * (1.0 / 7560.0 + s / 201600.0)
+    half = 0.5 * angle
+    sine, cosine = math.sin(half), math.cos(half)
+    eta = (1.0 - half * cosine / sine) / s
+    slope = (-2.0 / s + 0.5 * cosine / (sine * angle) + 0.25 / (sine * sine)) / s
+    return eta, slope
+
+
+@njit(cache=True, error_model="numpy")
+def take_frame(chord, initial, length, first, second, frame):
+    """Write the `frame` of an element, its deformations and B.
+
+    Arguments: present and `initial` chord (3,) and initial `length` in m; triads of both nodes.
+    """
+    R, q, d, W, B = frame.axes, frame.q, frame.d, frame.spin, frame.B
+    long = math.sqrt(chord[0] ** 2 + chord[1] ** 2 + chord[2] ** 2)
+    stretch = 0.0
+    for k in range(3):
+        R[k, 0] = chord[k] / long
+        R[k, 1] = 0.5 * (first[k, 1] + second[k, 1])
+        stretch += (chord[k] - initial[k]) * (chord[k] + initial[k])
+    d[0] = stretch / (long + length)
+    cross(R[:, 0], R[:, 1], R[:, 2])
+    size = math.sqrt(R[0, 2] ** 2 + R[1, 2] ** 2 + R[2, 2] ** 2)
+    for k in range(3):
+        R[k, 2] /= size
+    cross(R[:, 2], R[:, 0], R[:, 1])
+    t = np.empty((3, 3))
+    for node in range(2):
+        triad = first if node == 0 else second
+        for i in range(3):
+            for j in range(3):
+                t[i, j] = R[0, i] * triad[0, j] + R[1, i] * triad[1, j] + R[2, i] * triad[2, j]
+            q[node, i] = t[i, 1]
+        x, y, z = 0.5 * (t[2, 1] - t[1, 2]), 0.5 * (t[0, 2] - t[2, 0]), 0.5 * (t[1, 0] - t[0, 1])
+        sine = math.sqrt(x * x + y * y + z * z)
+        angle = math.atan2(sine, 0.5 * (t[0, 0] + t[1, 1] + t[2, 2] - 1.0))
+        share = angle / sine if sine > 1e-9 else 1.0
+        x, y, z = share * x, share * y, share * z
+        d[1 + 3 * node], d[2 + 3 * node], d[3 + 3 * node] = x, y, z
+        eta, _ = tangent_numbers(angle)
+        inverse, square = frame.inverse[node], angle * angle
+        inverse[0, 0] = 1.0 + eta * (x * x - square)
+        inverse[1, 1] = 1.0 + eta * (y * y - square)
+        inverse[2, 2] = 1.0 + eta * (z * z - square)
+        inverse[0, 1], inverse[1, 0] = eta * x * y + 0.5 * z, eta * x * y - 0.5 * z
+        inverse[0, 2], inverse[2, 0] = eta * x * z - 0.5 * y, eta * x * z + 0.5 * y
+        inverse[1, 2], inverse[2, 1] = eta * y * z + 0.5 * x, eta * y * z - 0.5 * x
+    mean = 0.5 * (q[0, 0] + q[1, 0]), 0.5 * (q[0, 1] + q[1, 1])
+    upright = 1.0 / mean[1]
+    frame.sizes[0], frame.sizes[1] = long, upright
+    # spin of the frame: r1 turns with the chord, about it q_z = 0 stays
+    W[:] = 0.0
+    W[2, 1], W[2, 7] = -1.0 / long, 1.0 / long
+    W[1, 2], W[1, 8] = 1.0 / long, -1.0 / long
+    W[0, 2], W[0, 8] = mean[0] * upright / long, -mean[0] * upright / long
+    local = np.zeros((7, 12))
+    local[0, 0], local[0, 6] = -1.0, 1.0
+    for node in range(2):
+        at = 3 + 6 * node
+        W[0, at], W[0, at + 1] = 0.5 * q[node, 1] * upright, -0.5 * q[node, 0] * upright
+    for node in range(2):
+        against, inverse = frame.against[node], frame.inverse[node]
+        for i in range(3):
+            for j in range(12):
+                against[i, j] = -W[i, j]
+            against[i, 3 + 6 * node + i] += 1.0
+        for i in range(3):
+            for j in range(12):
+                local[1 + 3 * node + i, j] = (
+                    inverse[i, 0] * against[0, j]
+                    + inverse[i, 1] * against[1, j]
+                    + inverse[i, 2] * against[2, j]
+                )
+    for i in range(7):
+        for block in range(0, 12, 3):
+            for j in range(3):
+                B[i, block + j] = (
+                    local[i, block] * R[j, 0]
+                    + local[i, block + 1] * R[j, 1]
+                    + local[i, block + 2] * R[j, 2]
+                )
+
+
+@njit(cache=True, error_model="numpy")
+def geometric(frame, Q, K):
+    """Derivative of B'Q at constant forces Q (7,) with respect to the motions, global (12, 12)."""
+    R, W, q, d = frame.axes, frame.spin, frame.q, frame.d
+    long, upright = frame.sizes
+    k = np.zeros((12, 12))
+    slope, bent = np.empty((3, 3)), np.empty((3, 12))
+    moments, changes = np.empty((2, 3)), np.empty((2, 3, 12))  # m_i = inverse' M_i, and dm_i
+    for node in range(2):
+        at = 1 + 3 * node
+        theta, M, inverse = d[at : at + 3], Q[at : at + 3], frame.inverse[node]
+        square = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
+        eta, steep = tangent_numbers(math.sqrt(square))
+        along = theta[0] * M[0] + theta[1] * M[1] + theta[2] * M[2]
+        for i in range(3):
+            moments[node, i] = inverse[0, i] * M[0] + inverse[1, i] * M[1] + inverse[2, i] * M[2]
+            for j in range(3):
+                slope[i, j] = eta * (theta[i] * M[j] - 2.0 * M[i] * theta[j])
+                slope[i, j] += steep * (theta[i] * along - square * M[i]) * theta[j]
+            slope[i, i] += eta * along
+        slope[0, 1] += 0.5 * M[2]
+        slope[1, 0] -= 0.5 * M[2]
+        slope[0, 2] -= 0.5 * M[1]
+        slope[2, 0] += 0.5 * M[1]
+        slope[1, 2] += 0.5 * M[0]
+        slope[2, 1] -= 0.5 * M[0]
+        product(inverse, frame.against[node], bent)
+        product(slope, bent, changes[node])
+    mx = moments[0, 0] + moments[1, 0]
+    my, mz = moments[0, 1] + moments[1, 1], moments[0, 2] + moments[1, 2]
+    mean = 0.5 * (q[0, 0] + q[1, 0])
+    lean = mean * upright  # q_x / q_y
+    force = np.array([Q[0], -mz / long, (my + mx * lean) / long])
+    # changes of the second axes of the nodes: -hat(q_i) (omega_i - w)
+    turned = np.empty((2, 3, 12))
+    for node in range(2):
+        for j in range(12):
+            cross(frame.against[node, :, j], q[node], turned[node, :, j])
+    for j in range(12):
+        dx = changes[0, 0, j] + changes[1, 0, j]
+        dy = changes[0, 1, j] + changes[1, 1, j]
+        dz = changes[0, 2, j] + changes[1, 2, j]
+        longer = (1.0 if j == 6 else -1.0 if j == 0 else 0.0) / long
+        along = 0.5 * (turned[0, 0, j] + turned[1, 0, j])
+        across = 0.5 * (turned[0, 1, j] + turned[1, 1, j]) * upright
+        leaning = along * upright - lean * across
+        w = W[:, j]
+        k[6, j] = w[1] * force[2] - w[2] * force[1]
+        k[7, j] = -dz / long - force[1] * longer + w[2] * force[0] - w[0] * force[2]
+        k[8, j] = (dy + dx * lean + mx * leaning) / long - force[2] * longer
+        k[8, j] += w[0] * force[1] - w[1] * force[0]
+        for i in range(3):
+            k[i, j] = -k[6 + i, j]
+        for node in range(2):
+            half, at = 0.5 * upright, 3 + 6 * node
+            nx = moments[node, 0] - half * mx * q[node, 1]
+            ny = moments[node, 1] + half * mx * q[node, 0]
+            nz = moments[node, 2]
+            fall = (dx - mx * across) * half
+            k[at, j] = changes[node, 0, j] - fall * q[node, 1] - half * mx * turned[node, 1, j]
+            k[at + 1, j] = changes[node, 1, j] + fall * q[node, 0]
+            k[at + 1, j] += half * mx * turned[node, 0, j]
+            k[at + 2, j] = changes[node, 2, j]
+            k[at, j] += w[1] * nz - w[2] * ny
+            k[at + 1, j] += w[2] * nx - w[0] * nz
+            k[at + 2, j] += w[0] * ny - w[1] * nx
+    rotate_blocks(R, R, k, K)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def product(a, b, result):
+    """Product of a (3, 3) and b (3, n)."""
+    for j in range(b.shape[1]):
+        for i in range(3):
+            result[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
+
+
+@njit(cache=True, error_model="numpy")
+def rotate_blocks(rows, columns, k, K):
+    """Blocks of 3 x 3 of k (12, 12) turned: rows k columns', into K."""
+    half = np.empty((3, 3))
+    for a in range(0, 12, 3):
+        for b in range(0, 12, 3):
+            product(rows, k[a : a + 3, b : b + 3], half)
+            for i in range(3):
+                for j in range(3):
+                    K[a + i, b + j] = (
+                        half[i, 0] * columns[j, 0]
+                        + half[i, 1] * columns[j, 1]
+                        + half[i, 2] * columns[j, 2]
+                    )
+
+
+@njit(cache=True, error_model="numpy")
+def columns_by(matrix, first, second):
+    """Columns of spins of `matrix` (n, 12) turned into those of the vectors of both nodes."""
+    for i in range(matrix.shape[0]):
+        for at in (3, 9):
+            spins = first if at == 3 else second
+            x, y, z = matrix[i, at], matrix[i, at + 1], matrix[i, at + 2]
+            for j in range(3):
+                matrix[i, at + j] = x * spins[0, j] + y * spins[1, j] + z * spins[2, j]
+
+
+@njit(cache=True, error_model="numpy")
+def straining_part(step, chord, length, rest):
+    """Square of the part of a `step` (12,) that is no rigid motion about a `chord`.
+
+    Rotations count with the `length`. Writes the part times the metric into `rest` (12,): a force
+    along it has neither a resultant nor a moment.
+    """
+    h, r, w, rhs = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    square = 0.0
+    for k in range(3):
+        h[k], r[k] = 0.5 * chord[k], 0.5 * (step[6 + k] - step[k])
+        square += h[k] * h[k]
+    cross(h, r, rhs)
+    along = 0.0
+    for k in range(3):
+        rhs[k] += 0.5 * length * length * (step[3 + k] + step[9 + k])
+        along += h[k] * rhs[k]
+    for k in range(3):
+        w[k] = (rhs[k] + h[k] * along / (length * length)) / (length * length + square)
+    cross(w, h, rhs)
+    size = 0.0
+    for k in range(3):
+        apart = r[k] - rhs[k]
+        rest[k], rest[6 + k] = -apart, apart
+        one, two = length * (step[3 + k] - w[k]), length * (step[9 + k] - w[k])
+        rest[3 + k], rest[9 + k] = length * one, length * two
+        size += 2.0 * apart * apart + one * one + two * two
+    return size
+
+
+@njit(cache=True, error_model="numpy")
+def add_straining(alpha, chord, length, K):
+    """Add `alpha` times the derivative of what `straining_part` writes to K (12, 12)."""
+    unit, column = np.zeros(12), np.empty(12)
+    for j in range(12):
+        unit[j] = 1.0
+        straining_part(unit, chord, length, column)
+        unit[j] = 0.0
+        for i in range(12):
+            K[i, j] += alpha * column[i]
+
+
+@njit(cache=True, error_model="numpy")
+def element_step(step, dofs, axes, moved):
+    """Step `moved` (12,) of an element in global axes: places and Cayley vectors of both nodes.
+
+    `axes` (2, 3, 3): those of the dofs of both nodes, as rows.
+    """
+    for node in range(2):
+        for i in range(0, 6, 3):
+            at = 6 * node + i
+            for j in range(3):
+                value = 0.0
+                for c in range(3):
+                    dof = dofs[at + c]
+                    value += axes[node, c, j] * (step.end[dof] - step.start[dof])
+                moved[at + j] = value
+
+
+@njit(cache=True, error_model="numpy")
+def add_element(step, dofs, positions, axes, force, K):
+    """Add the force (12,) and the tangent `K` (12, 12) of an element in global axes to a `step`.
+
+    Arguments: its `dofs` (12,) and `positions` (144,) in the band; `axes`, see `element_step`.
+    """
+    block, half = np.empty((3, 3)), np.empty((3, 3))
+    for a in range(0, 12, 3):
+        rows = axes[a // 6]
+        for i in range(3):
+            value = 0.0
+            for c in range(3):
+                value += rows[i, c] * force[a + c]
+            step.force[dofs[a + i]] += value
+        if not step.tangent:
+            continue
+        for b in range(0, 12, 3):
+            columns = axes[b // 6]
+            product(rows, K[a : a + 3, b : b + 3], half)
+            for i in range(3):
+                for j in range(3):
+                    block[i, j] = 0.0
+                    for c in range(3):
+                        block[i, j] += half[i, c] * columns[j, c]
+                    step.band[positions[12 * (a + i) + b + j]] += block[i, j]
+
+
+@njit(cache=True, error_model="numpy")
+def add_moved_element(step, bars, e, axes, old, moved, end, middle, Q, C):
+    """Add the force and the tangent of element `e` for a `step`.
+
+    Arguments: `axes`, see `element_step`; state `old`; its step `moved` (12,); its frame at the
+    `end`, B by the vectors of the step, and one for the `middle` to write into; forces `Q` (7,) of
+    the step and their tangent `C` (7, 7) by the deformations at the weighted instant.
+    """
+    L, at, here = bars.lengths[e], middle, np.empty((2, 3, 3))
+    maps, chord, gap = np.empty((2, 3, 3)), np.empty(3), np.zeros(7)
+    rest, force, missing = np.empty(12), np.empty(12), np.zeros(12)
+    share, way = (step.weight, 0.5) if step.dynamic else (1.0, 1.0)
+    for node in range(2):  # equilibrium is that at the end
+        psi = moved[6 * node + 3 : 6 * node + 6]
+        part = half_share(psi) if step.dynamic else 1.0
+        turn(psi, part, old.triads[e, node], here[node])
+        spin_map(psi, part, maps[node])
+    for k in range(3):
+        chord[k] = old.chord[e, k] + way * (moved[6 + k] - moved[k])
+    take_frame(chord, bars.chords[e], L, here[0], here[1], at)
+    alpha = size = 0.0
+    if step.dynamic:
+        size = straining_part(moved, chord, L, rest)
+        for i in range(7):
+            gap[i] = end.d[i] - old.deformation[e, i]
+            for j in range(12):
+                gap[i] -= at.B[i, j] * moved[j]
+            alpha += Q[i] * gap[i]
+    turned = 0.0
+    for k in range(3):
+        turned += moved[3 + k] ** 2 + moved[9 + k] ** 2
+    corrected = math.sqrt(size) * (turned + size / (L * L)) > LEAST_GAP * L
+    alpha = alpha / size if corrected else 0.0
+    for j in range(12):
+        force[j] = alpha * rest[j] if corrected else 0.0
+        for i in range(7):
+            force[j] += at.B[i, j] * Q[i]
+    K, CB = np.zeros((12, 12)), np.zeros((7, 12))
+    if step.tangent:
+        for i in range(7):
+            for c in range(7):
+                if C[i, c] != 0.0:
+                    for j in range(12):
+                        CB[i, j] += share * C[i, c] * end.B[c, j]
+        geometric(at, Q, K)
+        columns_by(K, maps[0], maps[1])
+        for i in range(12):
+            for j in range(3):
+                K[i, j] *= way
+                K[i, 6 + j] *= way
+        if corrected:  # the work that is missing, then the square of the straining part
+            for j in range(12):
+                value = -2.0 * alpha * rest[j]
+                for i in range(7):
+                    value += gap[i] * CB[i, j] + Q[i] * (end.B[i, j] - at.B[i, j])
+                for i in range(12):
+                    value -= moved[i] * K[i, j]
+                missing[j] = value / size
+            add_straining(alpha, chord, L, K)
+        for i in range(12):
+            for j in range(12):
+                if corrected:
+                    K[i, j] += rest[i] * missing[j]
+                for c in range(7):
+                    K[i, j] += at.B[c, i] * CB[c, j]
+    add_element(step, bars.dofs[e], bars.positions[e], axes, force, K)
