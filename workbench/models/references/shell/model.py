@@ -1,7 +1,7 @@
 """Reference in space: the struck column as folded plates that may buckle, twist and lean.
 
 Explicit steps of shells with one point in their plane (Belytschko, Lin and Tsay) and von Mises
-plasticity in five layers. A rigid striker presses on a face of a flange, at any eccentricity, or on
+plasticity in four layers. A rigid striker presses on a face of a flange, at any eccentricity, or on
 the web as a whole.
 """
 
@@ -98,7 +98,7 @@ class Shell(Declared, table="option"):
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plates in their middle planes, without root fillets, whose area goes to the flanges; they "
         "may buckle, dent, warp and twist. No residual stress, no fracture, no weld.",
-        "One point in the plane of an element, hourglass modes held elastically, five layers of "
+        "One point in the plane of an element, hourglass modes held elastically, four layers of "
         "von Mises plasticity in plane stress; transverse shear stays elastic, thickness stays.",
         "The striker presses evenly on a face that stays where it is on the column, and moves as "
         "the mean of it; it does not turn, rub, nor meet other places as the section turns.",
