@@ -155,7 +155,7 @@ def test_meshes_behind_an_answer_say_how_far_off_it_is():
     assert abs(peak - peak_of(replace(model, levels=1, refinement=0), at(SHS_HIT, 45.0))) < width
 
 
-# OpenSees, 60 corotational displacement-based elements, no shear, no warping; its striker is joined,
+# OpenSees, 60 corotational displacement-based elements, no shear, no warping, a joined striker,
 # while IPE 300 throws 800 kg off and meets it again: with a joined one -2.5 % at most
 OPENSEES = {
     HEB_HIT: ({0: 0.1897, 30: 0.2805, 45: 0.3098, 60: 0.3331, 90: 0.3554}, 0.01),
