@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import workbench as wb
 from workbench.base.arrays import Array
 from workbench.base.errors import InputError
 from workbench.models.base import make_model
@@ -215,3 +216,28 @@ def test_a_lying_column_sags_along_the_hit() -> None:
     assert response.attrs["dead_displacement"] > 0.0
     assert ledger(response) < 1e-6
     assert float(response["peak_displacement"]) > 0.9 * peak(SevenDof(), hit)
+
+
+def test_an_answer_along_the_web_says_what_five_degrees_do() -> None:
+    response = wb.simulate(struck("HEB"), "four-dof")
+    found = {each.subject: each for each in findings_of(response)}["off-web"]
+    farther = peak(SevenDof(), struck("HEB", 5.0)) / peak(SevenDof(), struck("HEB")) - 1.0
+    assert found.number == pytest.approx(100.0 * farther, abs=0.5)
+    assert "farther" in found.text
+    assert not found.outside
+    silent = [
+        struck("SHS"),
+        struck("HEB").changed(column=struck("HEB").column.changed(axis="weak")),
+    ]
+    for hit in silent:
+        subjects = [each.subject for each in findings_of(wb.simulate(hit, "four-dof"))]
+        assert "off-web" not in subjects
+
+
+def test_an_oblique_answer_says_what_a_sticking_face_does() -> None:
+    response = wb.simulate(struck("IPE", 45.0))  # the model that is chosen
+    assert response.attrs["model"] == "seven-dof"
+    found = {each.subject: each for each in findings_of(response)}["off-web"]
+    stuck = peak(SevenDof(), struck("IPE", 45.0, friction=1e3))
+    lower = 1.0 - stuck / float(response["peak_displacement"])
+    assert found.number == pytest.approx(100.0 * lower, abs=0.5)

@@ -21,7 +21,15 @@ COLUMNS = ("subject", "severity", "sentence", "remedy", "number", "limit", "inst
 _NOT_OF_DOMAIN = frozenset(
     (
         *("mesh", "refinement", "time-step", "damping", "yield-ratio", "energy-balance", "no-peak"),
-        *("section", "plates", "slender-web", "exponents", "no-residual", "light-striker"),
+        *(
+            "off-web",
+            "section",
+            "plates",
+            "slender-web",
+            "exponents",
+            "no-residual",
+            "light-striker",
+        ),
         "hinge-stiffness",
         *(
             "error-not-measured",

@@ -11,17 +11,18 @@ from typing import Any, ClassVar
 import numpy as np
 
 from workbench.base.arrays import Array, Flags
-from workbench.base.errors import OutOfDomainError
+from workbench.base.errors import CollapseError, OutOfDomainError, SolverError
 from workbench.base.fields import Choice, checked
 from workbench.mechanics.frames.members import shear_stiffness
 from workbench.mechanics.impact.integrator import FollowedImpact, follow
 from workbench.mechanics.impact.pace import Pace
-from workbench.models.batch import BatchAnswers
+from workbench.models.batch import BatchAnswers, admitted
 from workbench.models.domain import shear_findings
 from workbench.models.elastic_springs import Springs, beam_springs, thesis_springs
 from workbench.models.four_dof.march import CLOSELY, HINGES, NEARLY
 from workbench.models.four_dof.model import RigidBars, answer_stack, collapsed, stackable
 from workbench.models.four_dof.statics import Tables
+from workbench.models.hit_mass import with_hit_mass
 from workbench.models.seven_dof import march
 from workbench.models.seven_dof.kinematics import (
     BELOW,
@@ -210,6 +211,20 @@ class SevenDof(RigidBars):
             "shear_utilisation": np.maximum(*shear).max(axis=1),
             "plastic_rotation": march.turned(run.records),
         }
+
+    def peak_of(self, scenario: ColumnImpact) -> float | None:
+        """Peak (m) along the hit to half a percent, infinite of a collapse; None: no answer."""
+        solved, weight = admitted(self, scenario), scenario.dead_force
+        if solved is None:
+            return None
+        solved = with_hit_mass(solved, self.hit_mass)
+        try:
+            run = self._march(solved, self.pace(solved, -1), weight)[1]
+        except CollapseError:
+            return inf
+        except (SolverError, OutOfDomainError):
+            return None
+        return run.peak(scenario.striker.rebounds).get("peak_displacement")
 
     def stackable(self, scenario: ColumnScenario) -> bool:
         """Whether it answers such impacts in stacks."""

@@ -15,7 +15,7 @@ in a circle. Where the error was measured it stands in place of what a domain sa
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
-from math import inf, isinf, isnan, log, nan
+from math import inf, isinf, isnan, log, nan, radians
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -27,6 +27,7 @@ from workbench.mechanics.frames.members import SPREAD
 from workbench.mechanics.frames.runs import LARGEST_SHEAR_STRAIN
 from workbench.models.base import Model, findings_before, make_model, options_of
 from workbench.models.resistance import column_curve
+from workbench.models.seven_dof import SevenDof
 from workbench.models.strain_rate import feels_rate, steel_of, with_strain_rate
 from workbench.responses import (
     PEAK,
@@ -45,6 +46,7 @@ from workbench.responses import (
     survives,
 )
 from workbench.scenarios import ColumnImpact, FrameImpact, MemberPulse, frame_scenario
+from workbench.steel.sections import ISection
 from workbench.study.error_model.error_table import (
     ANCHOR,
     DEMAND,
@@ -57,6 +59,8 @@ from workbench.study.error_model.error_table import (
 )
 
 BEYOND = 0.10  # an error of the peak that matters
+OFF, STICKING = radians(5.0), 1e3  # angle off the web; friction of a face that holds
+LEAST_MORE = 1.0  # percent of the peak, about which a sentence is made
 FASTER = 1.05  # times the velocity or force, to see whether a collapse is near
 HANGS = "hangs-on"  # subject
 OPEN_END = "the upper end is not measured so close to collapse"
@@ -346,7 +350,7 @@ def _advised(
         error = expected_error(scenario, response)
     if survives(response) is not None:
         findings = judged(model, scenario, error, findings)
-    findings = [*findings, *creeping(scenario, response)]
+    findings = [*findings, *creeping(scenario, response), *off_line(scenario, response)]
     return with_remedies(model, scenario, findings), error
 
 
@@ -518,6 +522,33 @@ def _default_model(name: str) -> Model | None:
         return make_model(name)
     except InputError:
         return None
+
+
+def off_line(scenario: object, response: Response) -> list[Finding]:
+    """Return what `seven-dof` says beside an answer to a hit on an I section.
+
+    Of a hit along the web: how much farther one goes that comes 5 degrees off it. Of an oblique one
+    whose face slides: what a face that holds the column sideways would leave of the peak.
+    """
+    if not isinstance(scenario, ColumnImpact) or outcome_of(response) is not Outcome.OK:
+        return []
+    striker = scenario.striker
+    if not isinstance(scenario.column.section.shape, ISection) or striker.friction > 0.0:
+        return []
+    oblique = striker.angle > 0.0
+    others = (
+        striker,
+        striker.changed(friction=STICKING) if oblique else striker.changed(angle=OFF),
+    )
+    space = SevenDof()
+    straight, other = (space.peak_of(scenario.changed(striker=each)) for each in others)
+    if straight is None or other is None or not 0.0 < straight < inf:
+        return []
+    if isinf(other):
+        return [finding("off-web-collapse")]
+    more = 100.0 * (other / straight - 1.0)
+    name, change = ("sticking-face", -more) if oblique else ("off-web", more)
+    return [finding(name, change)] if change > LEAST_MORE else []
 
 
 def creeping(scenario: object, response: Response) -> list[Finding]:
