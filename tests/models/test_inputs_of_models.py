@@ -120,6 +120,7 @@ KNOWN = {  # of one model and kind
 }
 OPTIONS = {
     "solid-plane-stress": {"refinement": -1, "levels": 1},
+    "shell": {"refinement": -1, "levels": 1},
     "soft-impact": {"striker_stiffness": 1e7},  # so that the column yields
 }
 FIBERS = {"smallest_element": 0.4, "largest_element": 0.8, "levels": 1, "layers": 6}
@@ -138,7 +139,7 @@ SPECIAL = {  # scenarios of models that refuse the usual one, or are not moved e
         SCENARIOS[2], pulse=Pulse("friedlander", 3e6, 0.01)
     ),
 }
-SLOW = ("solid-plane-stress", "modified-tangent-modulus")
+SLOW = ("solid-plane-stress", "shell", "modified-tangent-modulus")
 NO_STRUCTURE = ("stud-", "impact-", "published", "measured")  # of other scenarios, or data
 
 MODELS = [name for name in model_names() if not name.startswith(NO_STRUCTURE)]

@@ -50,8 +50,6 @@ SHAPES = (ISection, RectangularTube)
 OWN = {  # histories of its own: unit and meaning, by name
     "axis": ("m", "displacement of the centroid of the struck section along the hit"),
     "edge": ("m", "displacement of the struck edge of the flange along the hit"),
-    "twist": ("rad", "turn of the struck section about the axis of the column"),
-    "sideways": ("m", "displacement of the centroid of the struck section across the hit"),
     "hourglass": ("J", "work against hourglass modes, part of what is stored"),
 }
 
@@ -93,7 +91,7 @@ class Shell(Declared, table="option"):
     crushing: ClassVar[bool] = True
     spatial: ClassVar[bool] = True
     eccentric: ClassVar[bool] = True
-    unused: ClassVar[tuple[str, ...]] = ("column.unbraced_length",)
+    unused: ClassVar[tuple[str, ...]] = ("column.unbraced_length", "striker.friction")
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plates in their middle planes, without root fillets, whose area goes to the flanges; they "
@@ -232,7 +230,7 @@ class ShellRecord:
             weight @ (x * from_middle[:, 0] + y * from_middle[:, 1]),
         )
         edge = moved[self._edge] @ self._way
-        own = along, edge, float(turn), across, shells.hourglass
+        own = float(turn), across, along, edge, shells.hourglass
         shortening = self._shortened - float(shells.displacement[shells.head])
         energies = shells.stored, shells.dissipated - self._plastic_before
         self._rows.append((displacement, velocity, shortening, *energies, *own))
@@ -243,7 +241,15 @@ class ShellRecord:
         """The response with these `values` at `time` (steps,) in s."""
         rows, shells = np.array(self._rows).T, self.shells
         rows[0] -= rows[0, 0]
-        names = "displacement", "velocity", "shortening", "elastic", "dissipated"
+        names = (
+            "displacement",
+            "velocity",
+            "shortening",
+            "elastic",
+            "dissipated",
+            "twist",
+            "sideways",
+        )
         known: dict[str, Any] = dict(zip(names, rows, strict=False))
         response = build_response({**known, **values}, time=time, warnings=list(warnings))
         for (name, (unit, meaning)), history in zip(OWN.items(), rows[len(names) :], strict=True):
