@@ -80,7 +80,7 @@ class SpaceState(NamedTuple):
 
 
 class SpaceElements(ElementGroup):
-    """What two-node elements in space have in common, whatever their law.
+    """Common part of two-node elements in space, whatever their law.
 
     `_heights` (elements, 3), directions next to the height of each section, and `_axes` (elements,
     2, 3, 3), those of the dofs of both nodes as rows, see `_orient`. Forces are those of the last
