@@ -100,7 +100,7 @@ def advice_for(model: Any, hit: Any) -> dict[str, Finding]:
 def test_the_error_stands_in_place_of_what_a_domain_says(thesis_impact: ColumnImpact) -> None:
     statements = advice_for(FourDof(), thesis_impact)
     assert "shear" in {f.subject for f in FourDof().domain(thesis_impact)}
-    assert set(statements) == {"error", "off-web"}
+    assert set(statements) == {"error"}
     error = statements["error"]
     assert error.outside
     assert error.number > WARNED

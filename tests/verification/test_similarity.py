@@ -30,6 +30,7 @@ REDUCED = (
     *(("soft-impact", {"striker_stiffness": 2e7, "crush_force": force}) for force in (None, 6e5)),
     *((name, {}) for name in ("four-dof", "four-dof-shear", "energy-estimate")),
     *((name, EQUAL) for name in ("rigid-superelement", "flexible-superelement")),
+    ("seven-dof", EQUAL),
     ("rigid-superelement", {"elements": 2, "inertia": "linear", **EQUAL}),
     *((name, {}) for name in ("biggs", "hand-estimate", "trilinear-catenary", "yin-wang")),
     *(("izzuddin", {}), ("en-1991-hard-impact", {"striker_stiffness": 2e7})),

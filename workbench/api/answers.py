@@ -14,7 +14,7 @@ import workbench.api.accessor  # noqa: F401 - gives responses their `.workbench`
 from workbench.api.accessor import compared, html_of
 from workbench.base.errors import InputError
 from workbench.models.base import Model, ask, make_model
-from workbench.responses import Outcome, Response, outcome_of
+from workbench.responses import Outcome, Response, findings_of, outcome_of, set_findings
 from workbench.scenarios import (
     Column,
     ColumnImpact,
@@ -25,7 +25,7 @@ from workbench.scenarios import (
     Striker,
     load_scenario,
 )
-from workbench.study.error_model.error_model import advised, choose, quick_reference
+from workbench.study.error_model.error_model import advised, choose, off_line, quick_reference
 
 if TYPE_CHECKING:
     from workbench.api.plots import Plots
@@ -171,6 +171,7 @@ def simulate(
     chosen = asked(choice.model if choice else model or "", **options)
     given, answer = ask(chosen, given)
     response = advised(chosen, given, answer)
+    set_findings(response, [*findings_of(response), *off_line(given, response)])
     if choice:
         response.attrs["because"] = choice.because
     if outcome_of(response) is Outcome.INVALID_INPUT:

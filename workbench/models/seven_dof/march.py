@@ -57,7 +57,7 @@ from workbench.steel.hinges.biaxial_kernels import (
 STICKS = 2
 _TOLERANCE = 1e-10  # of the squash load
 _HELD = 1e-7  # of the stiffness at the impact point: holds a rotation between hinges that flow
-_FARTHEST = 0.03  # step of Newton, m and rad
+_FARTHEST = 0.03  # step of Newton, rad and of a quarter of the column
 _TRIES = 100  # at rest under a weight
 
 
@@ -139,6 +139,18 @@ def solved(A, b, symmetric):
 
 
 @njit(cache=True, error_model="numpy")
+def shorten(lengths, step):
+    """Shorten a step of Newton that goes too far."""
+    farthest, quarter = 0.0, 0.25 * (lengths[BELOW] + lengths[ABOVE])
+    for i in range(7):
+        turns = i in (BN, BT, TWIST)
+        farthest = max(farthest, abs(step[i]) / (1.0 if turns else quarter))
+    if farthest > _FARTHEST:
+        for i in range(7):
+            step[i] *= _FARTHEST / farthest
+
+
+@njit(cache=True, error_model="numpy")
 def predict(s, dt, closed, touch, striker):
     """First guess of a step: forces grow along the last tangent, bars stretch as linearised.
 
@@ -209,12 +221,7 @@ def aim(s):
     free = work.sideways == 0 or work.sideways == STICKS
     if not solved(work.J, step, free):
         return False
-    farthest = 0.0
-    for i in range(7):
-        farthest = max(farthest, abs(step[i]))
-    if farthest > _FARTHEST:
-        for i in range(7):
-            step[i] *= _FARTHEST / farthest
+    shorten(s.columns[0].lengths, step)
     return True
 
 
@@ -458,9 +465,9 @@ def lie(columns, states, room, hinges):
             step[i] = -work.F[i]
         if not solved(J, step, True):
             return False
-        farthest = max(_FARTHEST, np.abs(step).max())
+        shorten(column.lengths, step)
         for i in range(7):
-            state.q[i] += step[i] * _FARTHEST / farthest
+            state.q[i] += step[i]
     else:
         return False
     for bar in (BELOW, ABOVE):

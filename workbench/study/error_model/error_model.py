@@ -350,7 +350,7 @@ def _advised(
         error = expected_error(scenario, response)
     if survives(response) is not None:
         findings = judged(model, scenario, error, findings)
-    findings = [*findings, *creeping(scenario, response), *off_line(scenario, response)]
+    findings = [*findings, *creeping(scenario, response)]
     return with_remedies(model, scenario, findings), error
 
 
@@ -528,7 +528,8 @@ def off_line(scenario: object, response: Response) -> list[Finding]:
     """Return what `seven-dof` says beside an answer to a hit on an I section.
 
     Of a hit along the web: how much farther one goes that comes 5 degrees off it. Of an oblique one
-    whose face slides: what a face that holds the column sideways would leave of the peak.
+    whose face slides: by how much a face that holds the column sideways would lower the peak. Two
+    runs of `seven-dof`, for single answers: those of studies and sweeps do without.
     """
     if not isinstance(scenario, ColumnImpact) or outcome_of(response) is not Outcome.OK:
         return []
