@@ -103,7 +103,7 @@ class Shell(Declared, table="option"):
         "Ends are clamped or rigid plates that turn both ways, warping held; the head is also held "
         "sideways and against twist. Braces are left out.",
         "The column is straight and upright but for `bow` and `tilt`; a bow of 1/750 of the length "
-        "on the coarsest mesh is part of the stated uncertainty.",
+        "is part of the stated uncertainty.",
         "Elastic stiffness and strength are both those of the strength section; the mass is that "
         "of the rolled profile, spread over the plates.",
         "Perfect plasticity has no length of its own: kinks shrink with the mesh.",
