@@ -36,6 +36,7 @@ QUESTIONS = {
 COARSE = {"smallest_element": 0.2, "largest_element": 0.4}  # the contract holds on any mesh
 OPTIONS = {
     "fiber-corotational": {**COARSE, "refinement": -1},
+    "fiber-space": {**COARSE, "refinement": -1},
     "fiber-reissner": COARSE,
     "fiber-shear": COARSE,
     "solid-plane-stress": {"refinement": -1},

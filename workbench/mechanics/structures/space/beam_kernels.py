@@ -16,12 +16,8 @@ from workbench.mechanics.structures.fibers.kernels import LINEAR, linear, linear
 from workbench.mechanics.structures.kernels import copy
 from workbench.mechanics.structures.space.frame_kernels import (
     add_moved_element,
-    columns_by,
-    element_step,
     empty_frame,
-    spin_map,
-    take_frame,
-    turn,
+    move_element,
 )
 
 ROWS = ((0, 0), (2, 5), (3, 6))  # of d: elongation, rotations of both ends about y and about z
@@ -133,24 +129,14 @@ def assemble(step, bars, points, sections, axes, old, new):
     """
     end, middle = empty_frame(), empty_frame()
     moved, within, Q, C = np.empty(12), np.empty(7), np.empty(7), np.empty((7, 7))
-    maps, work = np.empty((2, 3, 3)), np.empty((5, 3))
+    work = np.empty((5, 3))
     share = step.weight if step.dynamic else 1.0
     for e in range(bars.dofs.shape[0]):
-        element_step(step, bars.dofs[e], axes[e], moved)
-        for node in range(2):
-            psi = moved[6 * node + 3 : 6 * node + 6]
-            turn(psi, 1.0, old.triads[e, node], new.triads[e, node])
-            spin_map(psi, 1.0, maps[node])
-        for k in range(3):
-            new.chord[e, k] = old.chord[e, k] + (moved[6 + k] - moved[k])
-        triads, L = new.triads[e], bars.lengths[e]
-        take_frame(new.chord[e], bars.chords[e], L, triads[0], triads[1], end)
-        columns_by(end.B, maps[0], maps[1])
-        copy(end.d, new.deformation[e])
+        move_element(step, bars, e, axes[e], old, new, moved, end)
         for i in range(7):
             within[i] = (1.0 - share) * old.deformation[e, i] + share * end.d[i]
         beam = SpaceBeam(
-            L,
+            bars.lengths[e],
             sections.plane.of[e],
             points.xi[e],
             points.weights[e],

@@ -20,6 +20,7 @@ import numpy as np
 
 from workbench.base.arrays import Array
 from workbench.base.compiled import njit
+from workbench.mechanics.structures.kernels import copy
 
 SMALL = 1e-2  # rad; below it the coefficients of the inverse tangent map are taken from series
 LEAST_GAP = 1e-13  # strain of a step times its turn squared, below which rounding is all there is
@@ -363,6 +364,26 @@ def element_step(step, dofs, axes, moved):
                     dof = dofs[at + c]
                     value += axes[node, c, j] * (step.end[dof] - step.start[dof])
                 moved[at + j] = value
+
+
+@njit(cache=True, error_model="numpy")
+def move_element(step, bars, e, axes, old, new, moved, end):
+    """Move element `e` to the end of a `step`: its state `new`, its step `moved` and its frame.
+
+    B of the frame at the `end` is that by the vectors of the step.
+    """
+    element_step(step, bars.dofs[e], axes, moved)
+    maps = np.empty((2, 3, 3))
+    for node in range(2):
+        psi = moved[6 * node + 3 : 6 * node + 6]
+        turn(psi, 1.0, old.triads[e, node], new.triads[e, node])
+        spin_map(psi, 1.0, maps[node])
+    for k in range(3):
+        new.chord[e, k] = old.chord[e, k] + (moved[6 + k] - moved[k])
+    chord, triads = bars.chords[e], new.triads[e]
+    take_frame(new.chord[e], chord, bars.lengths[e], triads[0], triads[1], end)
+    columns_by(end.B, maps[0], maps[1])
+    copy(end.d, new.deformation[e])
 
 
 @njit(cache=True, error_model="numpy")

@@ -12,12 +12,8 @@ from workbench.base.compiled import njit
 from workbench.mechanics.structures.kernels import copy
 from workbench.mechanics.structures.space.frame_kernels import (
     add_moved_element,
-    columns_by,
-    element_step,
     empty_frame,
-    spin_map,
-    take_frame,
-    turn,
+    move_element,
 )
 from workbench.steel.hinges.biaxial_kernels import FAILED, project
 
@@ -63,20 +59,9 @@ def assemble(step, places, bars, axes, old, new):
     """
     end, middle = empty_frame(), empty_frame()
     moved, within, Q, C = np.empty(12), np.empty(7), np.empty(7), np.empty((7, 7))
-    maps = np.empty((2, 3, 3))
     share = step.weight if step.dynamic else 1.0
     for e in range(places.dofs.shape[0]):
-        element_step(step, places.dofs[e], axes[e], moved)
-        for node in range(2):
-            psi = moved[6 * node + 3 : 6 * node + 6]
-            turn(psi, 1.0, old.triads[e, node], new.triads[e, node])
-            spin_map(psi, 1.0, maps[node])
-        for k in range(3):
-            new.chord[e, k] = old.chord[e, k] + (moved[6 + k] - moved[k])
-        triads, L = new.triads[e], places.lengths[e]
-        take_frame(new.chord[e], places.chords[e], L, triads[0], triads[1], end)
-        columns_by(end.B, maps[0], maps[1])
-        copy(end.d, new.deformation[e])
+        move_element(step, places, e, axes[e], old, new, moved, end)
         for i in range(7):
             within[i] = (1.0 - share) * old.deformation[e, i] + share * end.d[i]
         if not element_forces(e, bars, share, within, old, new, Q, C):
