@@ -61,7 +61,7 @@ _FARTHEST = 0.03  # step of Newton, rad and of a quarter of the column
 _TRIES = 100  # at rest under a weight
 
 
-class BarsInSpace(NamedTuple):
+class SpaceColumn(NamedTuple):
     """Column (1,), committed and trial state (2,), scratch (1,), hinges of both bars (2,)."""
 
     columns: Any
@@ -441,7 +441,7 @@ def impact(columns, states, room, hinges, drive, progress, records):
     Arguments: `columns` (1,) of COLUMN, `states` (2,) of STATE, `room` (1,) of WORK, `hinges` (2,)
     of ROOM; `drive`, `progress` and `records` of `workbench.mechanics.impact`.
     """
-    pace, s = begin(drive, progress[0]), BarsInSpace(columns, states, room, hinges)
+    pace, s = begin(drive, progress[0]), SpaceColumn(columns, states, room, hinges)
     internal_forces(s.columns[0], s.states[0], s.room[0], s.hinges)
     at_place(s)
     s.room[0].collision_mass = s.columns[0].mass[N] if pace.error < np.inf else 0.0
