@@ -43,7 +43,7 @@ KERNELS = (
         *("four-dof", "solid-plane-stress", "fiber-reissner", "fiber-corotational"),
         *("force-based-beam", "fiber-hinge"),
     ),
-    ("single-dof", "soft-impact", "giberson", "rigid-superelement"),
+    ("single-dof", "soft-impact", "giberson", "rigid-superelement", "shell"),
 )
 
 

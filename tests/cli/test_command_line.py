@@ -12,7 +12,11 @@ import pytest
 from workbench.cli import run
 from workbench.scenarios import ColumnImpact, ColumnPushover, to_toml
 
-HEAVY = ("numpy", "scipy", "numba", "xarray", "pandas", "matplotlib", "rich", "typst")
+HEAVY = (
+    *("numpy", "scipy", "numba", "xarray", "pandas", "matplotlib", "rich", "typst", "bokeh"),
+    *("jinja2", "pydantic", "waitress", "workbench.models", "workbench.scenarios"),
+    "workbench.studs",
+)
 
 
 def process(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:

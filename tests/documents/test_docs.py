@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import itertools
 import re
 import runpy
 import shlex
 import textwrap
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -14,8 +16,10 @@ from typing import Any
 import matplotlib.pyplot as plt
 import pytest
 
+from workbench.base.offered import offered
 from workbench.cli import run
 from workbench.report.drawing.style import house_style
+from workbench.report.figures import KINDS
 from workbench.report.gallery import to_svg
 from workbench.scenarios import Column, ColumnImpact, Striker
 
@@ -24,9 +28,29 @@ GLOBBED = ("guide", "reference", "theory", "decisions")
 CELL = re.compile(r"^```\{code-cell\}[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 
-@pytest.mark.parametrize("name", ["column", "frame", "studs", "gallery"])
+def cells_of_notebook(name: str) -> list[str]:
+    return CELL.findall((DOCS / "notebooks" / f"{name}.md").read_text(encoding="utf-8"))
+
+
+def test_the_gallery_names_what_is_there() -> None:
+    """Its pictures are of kinds that are drawn; what it imports can be imported."""
+    trees = [ast.parse(cell) for cell in cells_of_notebook("gallery")]
+    nodes = [node for tree in trees for node in ast.walk(tree)]
+    calls = [node for node in nodes if isinstance(node, ast.Call) and len(node.args) > 1]
+    kinds = {ast.literal_eval(n.args[1]) for n in calls if ast.unparse(n.func) == "picture"}
+    assert len(kinds) > 15
+    assert kinds <= {*KINDS, *(point.name for point in offered("figures"))}
+    for node in nodes:
+        if isinstance(node, ast.ImportFrom):
+            module = import_module(str(node.module))
+            assert all(hasattr(module, alias.name) for alias in node.names)
+
+
+@pytest.mark.parametrize(
+    "name", ["column", "frame", "studs", pytest.param("gallery", marks=pytest.mark.slow)]
+)
 def test_cells_of_notebooks_run(name: str) -> None:
-    cells = CELL.findall((DOCS / "notebooks" / f"{name}.md").read_text(encoding="utf-8"))
+    cells = cells_of_notebook(name)
     assert len(cells) >= 2
     names: dict[str, object] = {}
     try:

@@ -21,7 +21,6 @@ from workbench.extras.exchange.vtk import write_shapes
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof
 from workbench.models.superelements import FlexibleSuperelement
-from workbench.report.build import build_report
 from workbench.report.drawing.shapes import shapes_of
 from workbench.scenarios import load_scenario
 from workbench.study.tables import table_bytes, workbook_bytes
@@ -115,8 +114,8 @@ def test_a_workbook_has_a_sheet_for_each_table() -> None:
     assert list(book) == ["cells", "bias"]
 
 
-def test_a_crate_tells_what_made_what(small, tmp_path: Path) -> None:
-    out = build_report(small, formats=("html",), out=tmp_path / "report")["html"].parent
+def test_a_crate_tells_what_made_what(small, built: dict[str, Path], tmp_path: Path) -> None:
+    out = built["html"].parent
     target = tmp_path / "crate.zip"
     write_crate(small, out, target, ("workbench run small", "workbench report small"))
     again = tmp_path / "again.zip"

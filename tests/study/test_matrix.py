@@ -157,6 +157,7 @@ def test_the_matrix_counts_every_case(study: Study, tmp_path: Path) -> None:
     assert one["peak_displacement_within"] == pytest.approx(ratio - 1.0 + width, rel=1e-3)
 
 
+@pytest.mark.usefixtures("few_load_steps")
 def test_groups_of_static_cases_are_judged_by_what_they_resist(tmp_path: Path) -> None:
     """Displacements are given there; a group without anything compared has no row."""
     frame = regular_frame((5.0,), (4.0,), square(0.2), square(0.2))

@@ -36,7 +36,7 @@ DURATION = {"soft-impact": 0.4}  # s, of records: a soft striker pushes for long
 SPLIT_MESH, SPLIT_ELEMENT = 0.01, 0.03
 
 
-SLOW = ("solid-plane-stress",)
+SLOW = ("solid-plane-stress", "shell")
 BY_ERROR = ("rigid-superelement", "flexible-superelement")
 
 

@@ -90,6 +90,7 @@ def _application(verb: str = "") -> Callable[..., Any]:
     import typer
 
     from workbench import __version__
+    from workbench.cli.output import GROUPS, group_of
 
     app = typer.Typer(
         add_completion=False,
@@ -116,6 +117,10 @@ def _application(verb: str = "") -> Callable[..., Any]:
     else:
         home = list(_VERBS)
     groups = {}
+    if verb in ("-h", "--help"):  # names groups, not what is in them
+        groups = {name: group_of(name) for name in GROUPS}
+        home = [module for module in home if module not in groups]
+        points = [point for point in points if "." not in point.name]
     for module in home:
         room = import_module(f"workbench.cli.{module}")
         for name in _VERBS[module]:

@@ -9,19 +9,11 @@ from typing import Any
 
 import typer
 
-from workbench.cli.output import Answer, option, verb, writable
+from workbench.cli.output import Answer, group_of, option, verb, writable
 from workbench.cli.studies import StoreRoot
-from workbench.report.page.markdown import (
-    Block,
-    Table,
-    definitions,
-    paragraph,
-    section,
-)
+from workbench.report.page.markdown import Block, Table, definitions, paragraph, section
 
-app = typer.Typer(
-    help="Show, check and extend the data catalogue.", rich_markup_mode=None, no_args_is_help=False
-)
+app = group_of("data")
 
 
 @app.command("list")

@@ -22,6 +22,7 @@ from workbench.cli.output import (
     SHEET,
     Answer,
     Names,
+    group_of,
     option,
     pairs_of,
     verb,
@@ -35,9 +36,7 @@ if TYPE_CHECKING:
     from workbench.report.page.markdown import Block
     from workbench.studs.fit_protocol import Tables
 
-app = typer.Typer(
-    help="Fit laws of studs to a table of tests.", rich_markup_mode=None, no_args_is_help=False
-)
+app = group_of("fit")
 FORMATS = ("html", "pdf")
 _TABLE = "Your table of {}.  [default: shipped tables]"
 _FILES: dict[str, tuple[Any, Any]] = {  # parameters that every verb has besides its question

@@ -6,11 +6,9 @@ from pathlib import Path
 
 import typer
 
-from workbench.cli.output import Answer, Json, option, verb
+from workbench.cli.output import Answer, Json, group_of, option, verb
 
-app = typer.Typer(
-    help="Print a template to start from.", rich_markup_mode=None, no_args_is_help=False
-)
+app = group_of("new")
 TEMPLATES = Path(__file__).with_name("templates")
 _STARTS = {
     "column.toml": "A column that is hit: for `workbench simulate`.",

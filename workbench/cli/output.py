@@ -58,6 +58,16 @@ DECIMAL = option(
     "Decimal sign of the table: . or ,  [default: found out]", None, "SIGN", "--decimal"
 )
 Json = Annotated[bool, option("Print one JSON object.", flag="--json")]
+GROUPS = {  # verbs with verbs of their own
+    "fit": "Fit laws of studs to a table of tests.",
+    "new": "Print a template to start from.",
+    "data": "Show, check and extend the data catalogue.",
+}
+
+
+def group_of(name: str) -> typer.Typer:
+    """Application of one of GROUPS, to which its module adds the verbs."""
+    return typer.Typer(help=GROUPS[name], rich_markup_mode=None, no_args_is_help=False)
 
 
 class InterruptedByUserError(Exception):

@@ -14,7 +14,7 @@ import pytest
 from waitress import wasyncore
 
 from workbench.cli import run
-from workbench.extras.uncertainty.verbs.serve import Server, Service
+from workbench.extras.uncertainty.service import Server, Service
 from workbench.models.base import make_model
 from workbench.scenarios import Column, ColumnImpact, Striker, to_toml
 
@@ -151,7 +151,7 @@ def test_slow_and_silent_clients_hold_no_one_and_are_left(served, monkeypatch):
         begun = time.monotonic()
         assert ask(served, "GET", "/Info")[0] == 200
         assert time.monotonic() - begun < 5.0
-        monkeypatch.setattr("workbench.extras.uncertainty.verbs.serve.PATIENCE", 0.5)
+        monkeypatch.setattr("workbench.extras.uncertainty.service.PATIENCE", 0.5)
         served.adj.channel_timeout = 0.5
         for client in (slow, silent):
             assert client.recv(100) == b""
@@ -228,8 +228,8 @@ def test_the_verb_serves_until_it_is_interrupted(file):
 
 
 def test_an_interrupt_ends_a_long_request_too(file):
-    slow = "import time; from workbench.extras.uncertainty.verbs import serve; "
-    slow += "serve.Service.evaluate = lambda *_: time.sleep(100.0); " + MAIN
+    slow = "import time; from workbench.extras.uncertainty import service; "
+    slow += "service.Service.evaluate = lambda *_: time.sleep(100.0); " + MAIN
     process, port = started(slow, file)
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=300)
     connection.request("POST", "/Evaluate", json.dumps({"name": MODEL, "input": [[8.0]]}))

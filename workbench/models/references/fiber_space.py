@@ -4,19 +4,22 @@ The section is turned about the axis of the column, so that the hit stays along 
 column does sideways is along z. Fibers lie in both directions; torsion is elastic, by St Venant.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import cos, pi, sin
-from typing import ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from workbench.base.arrays import Array
 from workbench.base.fields import Number, checked
+from workbench.mechanics.frames.members import LAYERS
 from workbench.mechanics.frames.structure import FrameStructure, apply_dead_loads
 from workbench.mechanics.structures.fibers.section import LinearHardening
 from workbench.mechanics.structures.space import (
     SpaceAssembly,
     SpaceBeams,
+    SpaceElements,
     SpaceSection,
     space_fibers,
 )
@@ -39,25 +42,81 @@ from workbench.steel.sections import AXES
 
 
 class SpaceMembers(FiberMembers):
-    """Reads the members of a column off their fiber beams in space."""
+    """Reads the members of a column off their elements in space."""
 
-    def __init__(self, frame: Frame, mesh: FrameMesh, beams: SpaceBeams, sampled: float) -> None:
+    def __init__(self, frame: Frame, mesh: FrameMesh, beams: Any, sampled: float) -> None:
         super().__init__(frame, mesh, beams, None, sampled, shear_yields=False)
-        section = beams.sections[0]
-        assert isinstance(section, SpaceSection)
-        stress, area = frame.steel.yield_stress, section.area
-        levers = np.ones_like(area), np.abs(section.z), np.abs(section.y)
-        self._strength = stress * np.array([np.sum(lever * area) for lever in levers])
-        self._surface = BiaxialSurface(frame.strength_section(frame.members[0]))
+        section = frame.strength_section(frame.members[0])
+        about_both = [section.about(axis).plastic_moment(frame.steel) for axis in reversed(AXES)]
+        self._strength = np.array([section.squash_load(frame.steel), *about_both])
+        self._surface = BiaxialSurface(section)
 
     def utilisation(self) -> Array:
         """Gauge of N, M_y and M_z (hinges,) where the end is sampled: 1 on the exact surface."""
-        beams = self.elements
-        assert isinstance(beams, SpaceBeams)
+        beams: Any = self.elements
         forces, rows = beams.section_forces[self._ends], np.arange(len(self._ends))
         near, far = forces[rows, self._side], forces[rows, 1 - self._side]
         share = (1.0 - self._sampled) * near + self._sampled * far
         return self._surface.gauge((share / self._strength)[:, [0, 2, 1]])
+
+
+class Turned(NamedTuple):
+    """A column whose section is turned away from the hit, meshed.
+
+    Its `frame`, bent about the strong axis; `mesh`; `height` (3,), direction of that of the
+    section; `axes` (elements, 2, 3, 3) of dofs: at supports those of the section.
+    """
+
+    frame: Frame
+    mesh: FrameMesh
+    height: tuple[float, float, float]
+    axes: Array
+
+
+def stand_in_space(
+    scenario: ColumnImpact,
+    lengths: list[Array],
+    elements: Callable[[Turned], SpaceElements],
+    sampled: float,
+) -> FrameStructure:
+    """A column in space under its dead loads. Raises `SolverError`.
+
+    Arguments: `lengths` (m) of the elements below and above the impact point; `elements`, makes
+    them; `sampled`, where an element samples plasticity, from its end and over its length.
+    """
+    column = about(scenario.column, "strong")
+    angle = scenario.striker.angle + (0.5 * pi if scenario.column.axis == "weak" else 0.0)
+    frame = as_frame(scenario.unchecked(column=column)).frame
+    mesh = mesh_frame(frame, lengths)
+    base, hit, head = (frame.number[name] for name in ("base", "hit", "head"))
+    c, s = cos(angle), sin(angle)
+    turned = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
+    supports = np.isin(mesh.nodes, [base, head])[:, :, None, None]
+    beams = elements(Turned(frame, mesh, (-c, 0.0, s), np.where(supports, turned, np.eye(3))))
+    flat = np.zeros((len(mesh.coordinates), 1))
+    assembly = SpaceAssembly(np.concatenate([mesh.coordinates, flat], axis=1), [beams])
+    for number, end in zip((base, head), column.ends_about("weak"), strict=True):
+        turn = [] if end == "pinned" else ["turn_x"]
+        assembly.hold([assembly.dof(number, name) for name in ("w", "turn_y", *turn)])
+    members = SpaceMembers(frame, mesh, beams, sampled)
+    structure = as_column(apply_dead_loads(frame, assembly, members))
+    beside = {
+        "sideways": (assembly.dof(hit, "w"), 1.0),
+        "twist": (assembly.dof(hit, "turn_y"), 1.0),
+    }
+    return replace(structure, watched={**structure.watched, **beside})
+
+
+def findings_in_space(scenario: ColumnImpact, name: str) -> list[Finding]:
+    """Refusal of a face with friction, by the `name` of a model."""
+    friction = scenario.striker.friction
+    return [finding("face-friction", friction, name=name)] if friction > 0.0 else []
+
+
+def weaker(scenario: ColumnImpact) -> ColumnImpact:
+    """The impact on the column bent about the axis with the smaller Euler load."""
+    columns = [about(scenario.column, axis) for axis in AXES]
+    return scenario.unchecked(column=min(columns, key=lambda each: each.euler_load(each.axis)))
 
 
 @dataclass(frozen=True)
@@ -71,6 +130,7 @@ class FiberSpace(FiberReference):
     hardening_ratio: float = checked(
         Number(1e-9, 0.1), 1e-6, help="regularising hardening over the elastic modulus"
     )
+    layers: int = checked(LAYERS, 12, help="over the depth and across flanges, an even number")
     refinement: int = checked(REFINEMENT, 1, help="how often all elements and steps are halved")
 
     name: ClassVar[str] = "fiber-space"
@@ -98,13 +158,7 @@ class FiberSpace(FiberReference):
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings of all fibers, buckling about the weaker axis, and a face with friction."""
         assert isinstance(scenario, ColumnImpact)
-        columns = [about(scenario.column, axis) for axis in AXES]
-        weaker = min(columns, key=lambda column: column.euler_load(column.axis))
-        findings = super().domain(scenario.unchecked(column=weaker))
-        friction = scenario.striker.friction
-        if friction > 0.0:
-            findings.append(finding("face-friction", friction, name=self.name))
-        return findings
+        return super().domain(weaker(scenario)) + findings_in_space(scenario, self.name)
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
         """Answer a scenario that is in the domain; raises as `FrameModel.solve`."""
@@ -113,44 +167,27 @@ class FiberSpace(FiberReference):
     def structure(self, scenario: ColumnScenario | FrameScenario) -> FrameStructure:
         """The column under its dead loads. Raises `SolverError`."""
         assert isinstance(scenario, ColumnImpact)
-        column = about(scenario.column, "strong")
-        angle = scenario.striker.angle + (0.5 * pi if scenario.column.axis == "weak" else 0.0)
-        frame = as_frame(scenario.unchecked(column=column)).frame
-        mesh = mesh_frame(frame, self.lengths(scenario))
-        beams = self.fibers(frame, mesh, angle)
-        flat = np.zeros((len(mesh.coordinates), 1))
-        assembly = SpaceAssembly(np.concatenate([mesh.coordinates, flat], axis=1), [beams])
-        base, hit, head = (frame.number[name] for name in ("base", "hit", "head"))
-        for number, end in zip((base, head), column.ends_about("weak"), strict=True):
-            turn = [] if end == "pinned" else ["turn_x"]
-            assembly.hold([assembly.dof(number, name) for name in ("w", "turn_y", *turn)])
-        members = SpaceMembers(frame, mesh, beams, self.sampled)
-        structure = as_column(apply_dead_loads(frame, assembly, members))
-        beside = {"sideways": assembly.dof(hit, "w"), "twist": assembly.dof(hit, "turn_y")}
-        watched = {name: (dof, 1.0) for name, dof in beside.items()}
-        return replace(structure, watched={**structure.watched, **watched})
+        return stand_in_space(scenario, self.lengths(scenario), self._beams, self.sampled)
 
-    def fibers(self, frame: Frame, mesh: FrameMesh, angle: float = 0.0) -> SpaceBeams:
-        """Co-rotational beams, the height of whose section is turned from the hit by an `angle`.
+    def fibers(self, frame: Frame, mesh: FrameMesh) -> SpaceBeams:
+        """Co-rotational beams, the height of whose section is along the hit."""
+        axes = np.broadcast_to(np.eye(3), (len(mesh.nodes), 2, 3, 3))
+        return self._beams(Turned(frame, mesh, (-1.0, 0.0, 0.0), axes))
 
-        Rotations of the supports are those about the axes of the section.
-        """
+    def _beams(self, column: Turned) -> SpaceBeams:
+        frame, mesh = column.frame, column.mesh
         steel, member = frame.steel, frame.members[0]
         section = frame.strength_section(member)
         places = space_fibers(section, self.layers)
         hardening = steel.hardening_modulus or self.hardening_ratio * steel.elastic_modulus
+        law = LinearHardening(steel.elastic_modulus, steel.yield_stress, hardening, rate=steel.rate)
         fibers = SpaceSection(
             y=places.y,
             area=places.area,
-            law=LinearHardening(
-                steel.elastic_modulus, steel.yield_stress, hardening, rate=steel.rate
-            ),
+            law=law,
             mass_per_length=frame.properties(member).mass_per_length,
             z=places.z,
             torsion=steel.shear_modulus * torsion_constants(section)[0],
         )
-        c, s = cos(angle), sin(angle)
-        supports = np.isin(mesh.nodes, [frame.number[name] for name in ("base", "head")])
-        turned = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
-        axes = np.where(supports[:, :, None, None], turned, np.eye(3))
-        return SpaceBeams(mesh.nodes, np.zeros_like(mesh.member), [fibers], (-c, 0.0, s), axes=axes)
+        number = np.zeros_like(mesh.member)
+        return SpaceBeams(mesh.nodes, number, [fibers], column.height, axes=column.axes)

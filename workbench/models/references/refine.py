@@ -1,8 +1,8 @@
 """Numerical uncertainty of a reference: coarser meshes behind every answer.
 
 The mesh asked for is the finest. Space and time are halved together, as the discretisation errors
-of both are of first order; more fibers, shorter steps alone, and a bow of what may leave its plane
-are tried on the coarsest mesh.
+of both are of first order; more fibers and shorter steps alone are tried on the coarsest mesh,
+a bow of what may leave its plane on the finest.
 See docs/theory/numerical-uncertainty.md.
 """
 
@@ -211,9 +211,9 @@ class _Refinement:
             directions.append(step_direction(used[0], name, longer, CAUTIOUS))
             self._answer(name, replace(coarsest, step_refinement=model.step_refinement + 1))
         if "bow" in options and not model.upright:
-            name = f"{used[0]}, bowed"
-            directions.append(Direction(IMPERFECTION, (used[0], name), 1.0))
-            self._answer(name, replace(coarsest, bow=model.bow + USUAL_BOW))
+            name = f"{FINEST}, bowed"  # coarse plates do not buckle
+            directions.append(Direction(IMPERFECTION, (FINEST, name), 1.0))
+            self._answer(name, replace(model, bow=model.bow + USUAL_BOW))
         return tuple(directions)
 
     def _meshes(self) -> list[Any]:

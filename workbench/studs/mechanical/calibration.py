@@ -255,13 +255,16 @@ def predicted(stud: Stud, around: Surroundings, steps: int = STEPS) -> ShearCurv
     return push_out(stud, around, steps=steps).limited(stud.largest_shear)
 
 
+def _studs(rows: pd.DataFrame) -> list[Stud]:
+    return [stud_of(row) for _, row in rows.iterrows()]
+
+
 def _predictions(
-    rows: pd.DataFrame,
+    studs: list[Stud],
     around: Surroundings,
     curve_of: Callable[[Stud, Surroundings], ShearCurve] = predicted,
 ) -> Array:
-    """Strength, stiffness and slip at rupture (rows, 3); equal studs are solved once."""
-    studs = [stud_of(row) for _, row in rows.iterrows()]
+    """Strength, stiffness and slip at rupture (studs, 3); equal studs are solved once."""
     solved: dict[Stud, tuple[float, float, float]] = {}
     for stud in dict.fromkeys(studs):
         curve = curve_of(stud, around)
@@ -320,7 +323,7 @@ class MechanicalFit:
         """
         rows = complete_rows(table)
         self.identity.refuse_overlap(rows)
-        return _compare(rows, _predictions(rows, self.around))
+        return _compare(rows, _predictions(_studs(rows), self.around))
 
     def summary(self) -> dict[str, Any]:
         """Summary of the calibration, and the scatter there: one row of a table."""
@@ -349,7 +352,7 @@ def calibrate(table: pd.DataFrame) -> MechanicalFit:
 
     begin = Surroundings()
     rows = complete_rows(table)
-    observed = np.log(_observations(rows))
+    studs, observed = _studs(rows), np.log(_observations(rows))
     scatter = _replicate_scatter(rows, observed)
     known = np.isfinite(observed)
     if known.sum() <= len(FREE):
@@ -361,7 +364,7 @@ def calibrate(table: pd.DataFrame) -> MechanicalFit:
         return replace(begin, **dict(zip(FREE, np.exp(theta).tolist(), strict=True)))
 
     def residual(theta: Array) -> Array:
-        error = (np.log(_predictions(rows, around(theta), mechanism)) - observed) / scatter
+        error = (np.log(_predictions(studs, around(theta), mechanism)) - observed) / scatter
         return np.asarray(error[known])
 
     theta = np.log([float(getattr(begin, name)) for name in FREE])
@@ -371,16 +374,15 @@ def calibrate(table: pd.DataFrame) -> MechanicalFit:
     if not solved.success:
         raise SolverError("calibration of the stud", float(solved.cost), "20 evaluations")
     best = around(solved.x)
-    strength = _predictions(rows, best, mechanism)[:, 0]
-    compared = _compare(rows, _predictions(rows, best))
+    strength = _predictions(studs, best, mechanism)[:, 0]
+    compared = _compare(rows, _predictions(studs, best))
     compared["mechanism_ratio"] = compared["strength_test"] / strength
     covariance = np.linalg.pinv(solved.jac.T @ solved.jac)
     covariance *= 2.0 * solved.cost / max(int(known.sum()) - len(FREE), 1)
     errors = dict(zip(FREE, np.sqrt(np.diag(covariance)).tolist(), strict=True))
     ratios = {name: np.log(compared[f"{name}_ratio"].dropna().to_numpy()) for name in OBSERVED}
     spread = {n: float(np.std(r, ddof=1)) if len(r) > 1 else np.nan for n, r in ratios.items()}
-    studs = len({stud_of(row) for _, row in rows.iterrows()})
-    return MechanicalFit(best, errors, compared, spread, studs, identity_of(rows))
+    return MechanicalFit(best, errors, compared, spread, len({*studs}), identity_of(rows))
 
 
 def _replicate_scatter(rows: pd.DataFrame, observed: Array) -> Array:

@@ -280,6 +280,7 @@ def _faster(scenario: Any) -> Any:
 
 
 ORDER = (ANCHOR, REFERENCE, FINEST)
+SPATIAL = ("seven-dof", "fiber-space", "shell")  # of hits off the plane of bending
 REMAINING = ("residual_displacement", "displacement", "peak_displacement")
 CLOSE, UNMEASURED = "close-to-collapse", "error-not-measured"  # subjects
 NONE = "no model of more trust is inside its domain here"
@@ -417,16 +418,19 @@ class ModelChoice:
 def choose(scenario: Any) -> ModelChoice:
     """The anchor, where it is warned of the beam that judges; the anchor too if no model will do.
 
-    The solid takes minutes: it is a remedy, no choice.
+    The solid takes minutes: it is a remedy, no choice. Off the plane of bending `SPATIAL`.
     """
     error = anchor_error(scenario)
-    model, because = ANCHOR, "which comes nearest: no quick model is inside its domain"
-    if isinstance(scenario, ColumnImpact) and scenario.striker.angle > 0.0:
-        model, because = SevenDof.name, "which answers hits from any side"
-    elif is_inside(ANCHOR, scenario):
+    first, reference, finest = order_of(scenario)
+    model, because = first, "which comes nearest: no quick model is inside its domain"
+    if is_inside(first, scenario):
         because = "the anchor of the error model"
-    elif is_inside(REFERENCE, scenario):
-        model, because = REFERENCE, f"a reference, as {ANCHOR} is warned of here"
+        if first != ANCHOR:
+            because = "the quickest model of hits off the plane of bending"
+    elif is_inside(reference, scenario):
+        model, because = reference, f"a reference, as {first} is warned of here"
+    elif first != ANCHOR and is_inside(finest, scenario):
+        model, because = finest, "the only model of hits beside the shear centre"
     return ModelChoice(model, because, error, table_of(scenario) is not None)
 
 
@@ -435,18 +439,27 @@ def quick_reference(scenario: Any) -> str:
 
     The solid takes minutes, and is none.
     """
-    return REFERENCE if is_inside(REFERENCE, scenario) else ""
+    reference = order_of(scenario)[1]
+    return reference if is_inside(reference, scenario) else ""
+
+
+def order_of(scenario: Any) -> tuple[str, str, str]:
+    """The quickest model of a scenario, its quick reference and its finest one."""
+    striker = getattr(scenario, "striker", None)
+    return SPATIAL if striker is not None and (striker.angle or striker.eccentricity) else ORDER
 
 
 def better(name: str, scenario: Any) -> tuple[str, ...]:
     """The first model above this one in the order that is inside its domain; empty without."""
-    above = ORDER[ORDER.index(name) + 1 :] if name in ORDER else ORDER
+    order = order_of(scenario)
+    above = order[order.index(name) + 1 :] if name in order else order
     return next(((each,) for each in above if is_inside(each, scenario)), ())
 
 
 def no_reference(scenario: Any) -> str:
     """Why `quick_reference` names none, in one sentence."""
-    return f"no reference inside its domain: {REFERENCE} ({'; '.join(doubts(REFERENCE, scenario))})"
+    reference = order_of(scenario)[1]
+    return f"no reference inside its domain: {reference} ({'; '.join(doubts(reference, scenario))})"
 
 
 def is_inside(name: str, scenario: Any) -> bool:

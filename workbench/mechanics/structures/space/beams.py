@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from workbench.base.arrays import Array
 from workbench.mechanics.structures.assembly import PlanarAssembly
-from workbench.mechanics.structures.elements import Bars
+from workbench.mechanics.structures.elements import Bars, ElementGroup
 from workbench.mechanics.structures.fibers.section import (
     BeamSection,
     FiberElements,
@@ -79,7 +79,60 @@ class SpaceState(NamedTuple):
     fibers: Array
 
 
-class SpaceBeams(FiberElements):
+class SpaceElements(ElementGroup):
+    """Geometry and assembly that two-node elements in space share, whatever their law.
+
+    `_heights` (elements, 3), directions next to the height of each section, and `_axes` (elements,
+    2, 3, 3), those of the dofs of both nodes as rows, see `_orient`. Forces are those of the last
+    step at its weighted instant.
+    """
+
+    _old: Any
+
+    def _orient(self, count: int, heights: ArrayLike, axes: ArrayLike | None) -> None:
+        self._heights = np.broadcast_to(np.asarray(heights, dtype=float), (count, 3))
+        given = np.eye(3) if axes is None else np.asarray(axes, dtype=float)
+        self._axes: Array = np.broadcast_to(given, (count, 2, 3, 3)).copy()
+
+    def place(self, bars: Bars) -> None:
+        """Take its place in a structure; triads at rest have the chord as first axis."""
+        super().place(bars)
+        along = bars.chords / bars.lengths[:, None]
+        across = np.cross(along, self._heights)
+        across /= np.linalg.norm(across, axis=1)[:, None]
+        triads = np.stack([along, np.cross(across, along), across], axis=2)
+        self._old.triads[:] = triads[:, None]
+        self._old.chord[:] = bars.chords
+        self.rest = triads
+
+    @property
+    def elongations(self) -> Array:
+        """Committed change of chord length of the elements (elements,), in m."""
+        return np.asarray(self._old.deformation[:, 0])
+
+    @property
+    def section_forces(self) -> Array:
+        """Committed N, and internal M_y and M_z at both ends (elements, 2, 3)."""
+        Q = self._old.forces
+        first, second = Q[:, [0, 2, 3]], Q[:, [0, 5, 6]]
+        return np.stack([first * [1.0, -1.0, -1.0], second], axis=1)
+
+    @property
+    def local_forces(self) -> Array:
+        """Committed N and end moments about the z axis of the structure, by the axes at rest."""
+        Q = self._old.forces
+        ends = np.stack([Q[:, [2, 3]], Q[:, [5, 6]]], axis=1)
+        moments = np.einsum("eni,ei->en", ends, self.rest[:, 2, 1:])
+        return np.concatenate([Q[:, :1], moments], axis=1)
+
+    @property
+    def shear_forces(self) -> Array:
+        """Committed shear force along the height of the section (elements,), in N."""
+        Q = self._old.forces
+        return np.asarray((Q[:, 3] + Q[:, 6]) / (self.lengths + self.elongations))
+
+
+class SpaceBeams(SpaceElements, FiberElements):
     """Two-node co-rotational Bernoulli beams in space, rigid in shear.
 
     Arguments: those of `FiberElements`; `heights` (elements, 3), directions next to the height of
@@ -103,9 +156,7 @@ class SpaceBeams(FiberElements):
         count = len(np.atleast_1d(section_of))
         shape = count, len(xi)
         self._points = Points(*(np.broadcast_to(each, shape).copy() for each in (xi, weights)))
-        self._heights = np.broadcast_to(np.asarray(heights, dtype=float), (count, 3))
-        given = np.eye(3) if axes is None else np.asarray(axes, dtype=float)
-        self._axes = np.broadcast_to(given, (count, 2, 3, 3)).copy()
+        self._orient(count, heights, axes)
         super().__init__(nodes, section_of, sections)
         z = np.zeros_like(self._sections.y)
         for row, section in zip(z, sections, strict=True):
@@ -122,43 +173,6 @@ class SpaceBeams(FiberElements):
             np.zeros((count, 7)),
             np.zeros((count, points, *fibers)),
         )
-
-    def place(self, bars: Bars) -> None:
-        """Take its place in a structure; triads at rest have the chord as first axis."""
-        super().place(bars)
-        along = bars.chords / bars.lengths[:, None]
-        across = np.cross(along, self._heights)
-        across /= np.linalg.norm(across, axis=1)[:, None]
-        triads = np.stack([along, np.cross(across, along), across], axis=2)
-        self._old.triads[:] = triads[:, None]
-        self._old.chord[:] = bars.chords
-        self.rest = triads
-
-    @property
-    def elongations(self) -> Array:
-        """Committed change of chord length of the elements (elements,), in m."""
-        return self._old.deformation[:, 0]
-
-    @property
-    def section_forces(self) -> Array:
-        """Committed N, and internal M_y and M_z at both ends (elements, 2, 3)."""
-        Q = self._old.forces
-        first, second = Q[:, [0, 2, 3]], Q[:, [0, 5, 6]]
-        return np.stack([first * [1.0, -1.0, -1.0], second], axis=1)
-
-    @property
-    def local_forces(self) -> Array:
-        """Committed N and end moments about the z axis of the structure, by the axes at rest."""
-        Q = self._old.forces
-        ends = np.stack([Q[:, [2, 3]], Q[:, [5, 6]]], axis=1)
-        moments = np.einsum("eni,ei->en", ends, self.rest[:, 2, 1:])
-        return np.concatenate([Q[:, :1], moments], axis=1)
-
-    @property
-    def shear_forces(self) -> Array:
-        """Committed shear force along the height of the section (elements,), in N."""
-        Q = self._old.forces
-        return np.asarray((Q[:, 3] + Q[:, 6]) / (self.lengths + self.elongations))
 
     def plastic_rotations(self) -> Array:
         """Committed plastic curvature about the z axis of the structure, integrated (elements,)."""

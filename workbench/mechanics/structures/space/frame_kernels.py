@@ -206,7 +206,12 @@ def geometric(frame, Q, K):
     R, W, q, d = frame.axes, frame.spin, frame.q, frame.d
     long, upright = frame.sizes
     k = np.zeros((12, 12))
-    slope, bent = np.empty((3, 3)), np.empty((3, 12))
+    slope, bent, shift, against = (
+        np.empty((3, 3)),
+        np.empty((3, 12)),
+        np.empty((2, 3)),
+        frame.against,
+    )
     moments, changes = np.empty((2, 3)), np.empty((2, 3, 12))  # m_i = inverse' M_i, and dm_i
     for node in range(2):
         at = 1 + 3 * node
@@ -226,31 +231,32 @@ def geometric(frame, Q, K):
         slope[2, 0] += 0.5 * M[1]
         slope[1, 2] += 0.5 * M[0]
         slope[2, 1] -= 0.5 * M[0]
-        product(inverse, frame.against[node], bent)
+        product(inverse, against[node], bent)
         product(slope, bent, changes[node])
     mx = moments[0, 0] + moments[1, 0]
     my, mz = moments[0, 1] + moments[1, 1], moments[0, 2] + moments[1, 2]
     mean = 0.5 * (q[0, 0] + q[1, 0])
     lean = mean * upright  # q_x / q_y
     force = np.array([Q[0], -mz / long, (my + mx * lean) / long])
-    # changes of the second axes of the nodes: -hat(q_i) (omega_i - w)
-    turned = np.empty((2, 3, 12))
-    for node in range(2):
-        for j in range(12):
-            cross(frame.against[node, :, j], q[node], turned[node, :, j])
     for j in range(12):
         dx = changes[0, 0, j] + changes[1, 0, j]
         dy = changes[0, 1, j] + changes[1, 1, j]
         dz = changes[0, 2, j] + changes[1, 2, j]
         longer = (1.0 if j == 6 else -1.0 if j == 0 else 0.0) / long
-        along = 0.5 * (turned[0, 0, j] + turned[1, 0, j])
-        across = 0.5 * (turned[0, 1, j] + turned[1, 1, j]) * upright
+        # changes of the second axes of the nodes: (omega_i - w) x q_i
+        along = across = 0.0
+        for node in range(2):
+            y, z = against[node, 1, j], against[node, 2, j]
+            shift[node, 0] = y * q[node, 2] - z * q[node, 1]
+            shift[node, 1] = z * q[node, 0] - against[node, 0, j] * q[node, 2]
+            along += 0.5 * shift[node, 0]
+            across += 0.5 * shift[node, 1] * upright
         leaning = along * upright - lean * across
-        w = W[:, j]
-        k[6, j] = w[1] * force[2] - w[2] * force[1]
-        k[7, j] = -dz / long - force[1] * longer + w[2] * force[0] - w[0] * force[2]
+        wx, wy, wz = W[0, j], W[1, j], W[2, j]
+        k[6, j] = wy * force[2] - wz * force[1]
+        k[7, j] = -dz / long - force[1] * longer + wz * force[0] - wx * force[2]
         k[8, j] = (dy + dx * lean + mx * leaning) / long - force[2] * longer
-        k[8, j] += w[0] * force[1] - w[1] * force[0]
+        k[8, j] += wx * force[1] - wy * force[0]
         for i in range(3):
             k[i, j] = -k[6 + i, j]
         for node in range(2):
@@ -259,13 +265,11 @@ def geometric(frame, Q, K):
             ny = moments[node, 1] + half * mx * q[node, 0]
             nz = moments[node, 2]
             fall = (dx - mx * across) * half
-            k[at, j] = changes[node, 0, j] - fall * q[node, 1] - half * mx * turned[node, 1, j]
-            k[at + 1, j] = changes[node, 1, j] + fall * q[node, 0]
-            k[at + 1, j] += half * mx * turned[node, 0, j]
-            k[at + 2, j] = changes[node, 2, j]
-            k[at, j] += w[1] * nz - w[2] * ny
-            k[at + 1, j] += w[2] * nx - w[0] * nz
-            k[at + 2, j] += w[0] * ny - w[1] * nx
+            k[at, j] = changes[node, 0, j] - fall * q[node, 1] - half * mx * shift[node, 1]
+            k[at + 1, j] = changes[node, 1, j] + fall * q[node, 0] + half * mx * shift[node, 0]
+            k[at + 2, j] = changes[node, 2, j] + wx * ny - wy * nx
+            k[at, j] += wy * nz - wz * ny
+            k[at + 1, j] += wz * nx - wx * nz
     rotate_blocks(R, R, k, K)
 
 
@@ -311,26 +315,24 @@ def straining_part(step, chord, length, rest):
     Rotations count with the `length`. Writes the part times the metric into `rest` (12,): a force
     along it has neither a resultant nor a moment.
     """
-    h, r, w, rhs = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    square = 0.0
-    for k in range(3):
-        h[k], r[k] = 0.5 * chord[k], 0.5 * (step[6 + k] - step[k])
-        square += h[k] * h[k]
-    cross(h, r, rhs)
-    along = 0.0
-    for k in range(3):
-        rhs[k] += 0.5 * length * length * (step[3 + k] + step[9 + k])
-        along += h[k] * rhs[k]
-    for k in range(3):
-        w[k] = (rhs[k] + h[k] * along / (length * length)) / (length * length + square)
-    cross(w, h, rhs)
+    hx, hy, hz = 0.5 * chord[0], 0.5 * chord[1], 0.5 * chord[2]
+    rx, ry, rz = 0.5 * (step[6] - step[0]), 0.5 * (step[7] - step[1]), 0.5 * (step[8] - step[2])
+    square, half = length * length, 0.5 * length * length
+    x = hy * rz - hz * ry + half * (step[3] + step[9])
+    y = hz * rx - hx * rz + half * (step[4] + step[10])
+    z = hx * ry - hy * rx + half * (step[5] + step[11])
+    along = (hx * x + hy * y + hz * z) / square
+    whole = square + hx * hx + hy * hy + hz * hz
+    x, y, z = (x + hx * along) / whole, (y + hy * along) / whole, (z + hz * along) / whole
+    rest[6], rest[7], rest[8] = rx - y * hz + z * hy, ry - z * hx + x * hz, rz - x * hy + y * hx
     size = 0.0
+    for node in (3, 9):
+        one, two, three = step[node] - x, step[node + 1] - y, step[node + 2] - z
+        rest[node], rest[node + 1], rest[node + 2] = square * one, square * two, square * three
+        size += square * (one * one + two * two + three * three)
     for k in range(3):
-        apart = r[k] - rhs[k]
-        rest[k], rest[6 + k] = -apart, apart
-        one, two = length * (step[3 + k] - w[k]), length * (step[9 + k] - w[k])
-        rest[3 + k], rest[9 + k] = length * one, length * two
-        size += 2.0 * apart * apart + one * one + two * two
+        rest[k] = -rest[6 + k]
+        size += 2.0 * rest[k] * rest[k]
     return size
 
 
@@ -369,7 +371,8 @@ def add_element(step, dofs, positions, axes, force, K):
 
     Arguments: its `dofs` (12,) and `positions` (144,) in the band; `axes`, see `element_step`.
     """
-    block, half = np.empty((3, 3)), np.empty((3, 3))
+    half = np.empty((3, 3))
+    plain = axes[0, 0, 0] == axes[0, 1, 1] == axes[1, 0, 0] == axes[1, 1, 1] == 1.0
     for a in range(0, 12, 3):
         rows = axes[a // 6]
         for i in range(3):
@@ -380,14 +383,16 @@ def add_element(step, dofs, positions, axes, force, K):
         if not step.tangent:
             continue
         for b in range(0, 12, 3):
-            columns = axes[b // 6]
-            product(rows, K[a : a + 3, b : b + 3], half)
+            columns, block = axes[b // 6], K[a : a + 3, b : b + 3]
+            if not plain:
+                product(rows, block, half)
             for i in range(3):
                 for j in range(3):
-                    block[i, j] = 0.0
-                    for c in range(3):
-                        block[i, j] += half[i, c] * columns[j, c]
-                    step.band[positions[12 * (a + i) + b + j]] += block[i, j]
+                    value = block[i, j]
+                    if not plain:
+                        value = half[i, 0] * columns[j, 0] + half[i, 1] * columns[j, 1]
+                        value += half[i, 2] * columns[j, 2]
+                    step.band[positions[12 * (a + i) + b + j]] += value
 
 
 @njit(cache=True, error_model="numpy")
@@ -449,10 +454,12 @@ def add_moved_element(step, bars, e, axes, old, moved, end, middle, Q, C):
                     value -= moved[i] * K[i, j]
                 missing[j] = value / size
             add_straining(alpha, chord, L, K)
-        for i in range(12):
-            for j in range(12):
-                if corrected:
-                    K[i, j] += rest[i] * missing[j]
-                for c in range(7):
+        for c in range(7):
+            for i in range(12):
+                for j in range(12):
                     K[i, j] += at.B[c, i] * CB[c, j]
+        if corrected:
+            for i in range(12):
+                for j in range(12):
+                    K[i, j] += rest[i] * missing[j]
     add_element(step, bars.dofs[e], bars.positions[e], axes, force, K)

@@ -135,7 +135,7 @@ class ShellAssembly:
         """
         dt, inverse = SAFETY * stable_step(self), 1.0 / self.mass
         inverse[self.held] = 0.0
-        velocity, energy, allowed = np.zeros(self.size), 0.0, 0.0
+        velocity, energy, allowed = np.zeros(self.size), np.inf, 0.0
         for count in range(MOST_STEPS):
             end = self.displacement + dt * velocity
             residual = (self.load - self.resist(end)) * (inverse > 0.0)
@@ -145,10 +145,13 @@ class ShellAssembly:
             allowed = allowed or tolerance * largest
             if largest <= allowed:
                 return count
-            velocity = velocity + dt * inverse * residual
+            if not np.isfinite(largest):
+                break
+            gained = dt * inverse * residual
+            velocity = velocity + gained
             kinetic = float(self.mass @ velocity**2)
-            if not kinetic > energy:
-                velocity, kinetic = np.zeros(self.size), 0.0
+            if not kinetic > energy:  # from rest, half a step
+                velocity, kinetic = 0.5 * gained, 0.0
             energy = kinetic
         tried = "dynamic relaxation; is the load below the buckling load?"
         raise SolverError(f"step {count}", largest / allowed, tried)

@@ -1,7 +1,7 @@
 """Reference in space: the struck column as folded plates that may buckle, twist and lean.
 
 Explicit steps of shells with one point in their plane (Belytschko, Lin and Tsay) and von Mises
-plasticity in five layers. A rigid striker presses on a face of a flange, at any eccentricity, or on
+plasticity in four layers. A rigid striker presses on a face of a flange, at any eccentricity, or on
 the web as a whole.
 """
 
@@ -50,8 +50,6 @@ SHAPES = (ISection, RectangularTube)
 OWN = {  # histories of its own: unit and meaning, by name
     "axis": ("m", "displacement of the centroid of the struck section along the hit"),
     "edge": ("m", "displacement of the struck edge of the flange along the hit"),
-    "twist": ("rad", "turn of the struck section about the axis of the column"),
-    "sideways": ("m", "displacement of the centroid of the struck section across the hit"),
     "hourglass": ("J", "work against hourglass modes, part of what is stored"),
 }
 
@@ -93,19 +91,19 @@ class Shell(Declared, table="option"):
     crushing: ClassVar[bool] = True
     spatial: ClassVar[bool] = True
     eccentric: ClassVar[bool] = True
-    unused: ClassVar[tuple[str, ...]] = ("column.unbraced_length",)
+    unused: ClassVar[tuple[str, ...]] = ("column.unbraced_length", "striker.friction")
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plates in their middle planes, without root fillets, whose area goes to the flanges; they "
         "may buckle, dent, warp and twist. No residual stress, no fracture, no weld.",
-        "One point in the plane of an element, hourglass modes held elastically, five layers of "
+        "One point in the plane of an element, hourglass modes held elastically, four layers of "
         "von Mises plasticity in plane stress; transverse shear stays elastic, thickness stays.",
         "The striker presses evenly on a face that stays where it is on the column, and moves as "
         "the mean of it; it does not turn, rub, nor meet other places as the section turns.",
         "Ends are clamped or rigid plates that turn both ways, warping held; the head is also held "
         "sideways and against twist. Braces are left out.",
         "The column is straight and upright but for `bow` and `tilt`; a bow of 1/750 of the length "
-        "on the coarsest mesh is part of the stated uncertainty.",
+        "is part of the stated uncertainty.",
         "Elastic stiffness and strength are both those of the strength section; the mass is that "
         "of the rolled profile, spread over the plates.",
         "Perfect plasticity has no length of its own: kinks shrink with the mesh.",
@@ -232,7 +230,7 @@ class ShellRecord:
             weight @ (x * from_middle[:, 0] + y * from_middle[:, 1]),
         )
         edge = moved[self._edge] @ self._way
-        own = along, edge, float(turn), across, shells.hourglass
+        own = float(turn), across, along, edge, shells.hourglass
         shortening = self._shortened - float(shells.displacement[shells.head])
         energies = shells.stored, shells.dissipated - self._plastic_before
         self._rows.append((displacement, velocity, shortening, *energies, *own))
@@ -243,7 +241,15 @@ class ShellRecord:
         """The response with these `values` at `time` (steps,) in s."""
         rows, shells = np.array(self._rows).T, self.shells
         rows[0] -= rows[0, 0]
-        names = "displacement", "velocity", "shortening", "elastic", "dissipated"
+        names = (
+            "displacement",
+            "velocity",
+            "shortening",
+            "elastic",
+            "dissipated",
+            "twist",
+            "sideways",
+        )
         known: dict[str, Any] = dict(zip(names, rows, strict=False))
         response = build_response({**known, **values}, time=time, warnings=list(warnings))
         for (name, (unit, meaning)), history in zip(OWN.items(), rows[len(names) :], strict=True):
