@@ -16,7 +16,8 @@ from workbench.base.fields import Choice, checked
 from workbench.mechanics.frames.members import shear_stiffness
 from workbench.mechanics.impact.integrator import FollowedImpact, follow
 from workbench.mechanics.impact.pace import Pace
-from workbench.models.batch import BatchAnswers, admitted
+from workbench.models.base import findings_before
+from workbench.models.batch import BatchAnswers
 from workbench.models.domain import shear_findings
 from workbench.models.elastic_springs import Springs, beam_springs, thesis_springs
 from workbench.models.four_dof.march import CLOSELY, HINGES, NEARLY
@@ -36,7 +37,7 @@ from workbench.models.seven_dof.kinematics import (
     T,
     U,
 )
-from workbench.models.strain_rate import FACTOR
+from workbench.models.strain_rate import FACTOR, with_strain_rate
 from workbench.responses import Finding
 from workbench.scenarios import Column, ColumnImpact, ColumnScenario
 from workbench.scenarios.varied import spread
@@ -214,12 +215,12 @@ class SevenDof(RigidBars):
 
     def peak_of(self, scenario: ColumnImpact) -> float | None:
         """Peak (m) along the hit to half a percent, infinite of a collapse; None: no answer."""
-        solved, weight = admitted(self, scenario), scenario.dead_force
-        if solved is None:
+        solved, _, left_out = with_strain_rate(self, scenario)
+        if any(each.refusal for each in findings_before(self, scenario, left_out)):
             return None
         solved = with_hit_mass(solved, self.hit_mass)
         try:
-            run = self._march(solved, self.pace(solved, -1), weight)[1]
+            run = self._march(solved, self.pace(solved, -1), scenario.dead_force)[1]
         except CollapseError:
             return inf
         except (SolverError, OutOfDomainError):
