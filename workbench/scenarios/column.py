@@ -190,6 +190,13 @@ class Column(MadeOfSteel, table="column"):
 
     def euler_load(self, axis: str) -> float:
         """Elastic critical load (N) about an axis; that of bending has the given second moment."""
+        name = f"Euler load, {axis}"
+        if name not in self.kept:
+            self.kept[name] = self._euler_load(axis)
+        load: float = self.kept[name]
+        return load
+
+    def _euler_load(self, axis: str) -> float:
         second = self.section.about(axis).second_moment
         if axis == self.axis:
             second = self.properties.second_moment

@@ -421,32 +421,33 @@ def choose(scenario: Any) -> ModelChoice:
     The solid takes minutes: it is a remedy, no choice. Off the plane of bending `SPATIAL`.
     """
     error = anchor_error(scenario)
-    first, reference, finest = order_of(scenario)
-    model, because = first, "which comes nearest: no quick model is inside its domain"
-    if is_inside(first, scenario):
+    order = order_of(scenario)
+    model, because = ANCHOR, "which comes nearest: no quick model is inside its domain"
+    if order == SPATIAL:
+        model, because = order[0], "which answers hits from any side"
+        if scenario.striker.eccentricity:
+            model, because = order[2], "the only model of hits beside the shear centre"
+    elif is_inside(ANCHOR, scenario):
         because = "the anchor of the error model"
-        if first != ANCHOR:
-            because = "the quickest model of hits off the plane of bending"
-    elif is_inside(reference, scenario):
-        model, because = reference, f"a reference, as {first} is warned of here"
-    elif first != ANCHOR and is_inside(finest, scenario):
-        model, because = finest, "the only model of hits beside the shear centre"
+    elif is_inside(REFERENCE, scenario):
+        model, because = REFERENCE, f"a reference, as {ANCHOR} is warned of here"
     return ModelChoice(model, because, error, table_of(scenario) is not None)
 
 
 def quick_reference(scenario: Any) -> str:
     """The quickest reference that is inside its domain; empty without one.
 
-    The solid takes minutes, and is none.
+    The solid takes minutes, and is none; nor is there one off the plane of bending.
     """
-    reference = order_of(scenario)[1]
-    return reference if is_inside(reference, scenario) else ""
+    plane = order_of(scenario) == ORDER
+    return REFERENCE if plane and is_inside(REFERENCE, scenario) else ""
 
 
 def order_of(scenario: Any) -> tuple[str, str, str]:
     """The quickest model of a scenario, its quick reference and its finest one."""
-    striker = getattr(scenario, "striker", None)
-    return SPATIAL if striker is not None and (striker.angle or striker.eccentricity) else ORDER
+    if not isinstance(scenario, ColumnImpact):
+        return ORDER
+    return SPATIAL if scenario.striker.angle or scenario.striker.eccentricity else ORDER
 
 
 def better(name: str, scenario: Any) -> tuple[str, ...]:
@@ -458,8 +459,10 @@ def better(name: str, scenario: Any) -> tuple[str, ...]:
 
 def no_reference(scenario: Any) -> str:
     """Why `quick_reference` names none, in one sentence."""
-    reference = order_of(scenario)[1]
-    return f"no reference inside its domain: {reference} ({'; '.join(doubts(reference, scenario))})"
+    order = order_of(scenario)
+    if order == SPATIAL:
+        return f"no quick reference off the plane of bending: {order[1]} takes a minute"
+    return f"no reference inside its domain: {REFERENCE} ({'; '.join(doubts(REFERENCE, scenario))})"
 
 
 def is_inside(name: str, scenario: Any) -> bool:
