@@ -23,6 +23,7 @@ from workbench.scenarios.varied import NO_VALUES, with_other_inputs
 
 ENERGY_TOLERANCE = 1e-6  # of the input energy
 
+OFF_PLANE = ("column.*_weak", "column.unbraced_length", "striker.friction")
 _SIGNATURE = ("model", "model_version", "options", "scenario", "scenario_hash", "provenance")
 
 
@@ -86,10 +87,12 @@ def ignored_inputs(
 
     With any other value, of `values` by path or one that its rule allows, numbers and outcome are
     the same and no finding names it. Known are what the model calls `unused`, the length of the
-    record, masses and strain rates where nothing moves.
+    record, masses and strain rates where nothing moves, and of plane models what matters off the
+    plane of bending alone.
     """
     answer, used = model.simulate(scenario), dict[str, bool]()
-    declared = ("time.duration", *getattr(model, "unused", ()))
+    beside = () if getattr(model, "spatial", False) else OFF_PLANE
+    declared = ("time.duration", *beside, *getattr(model, "unused", ()))
     for each, other in with_other_inputs(scenario, values):
         known = any(fnmatchcase(each.path, pattern) for pattern in declared)
         known |= scenario.STATIC and (each.unit.startswith("kg") or each.path == "steel.rate")
