@@ -13,13 +13,13 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from workbench.mechanics.frames import structure
 from workbench.mechanics.frames.structure import FrameStructure
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.explicit import explicit_impact
 from workbench.mechanics.structures.impact import PointMass
 from workbench.models.base import Model
 from workbench.models.frame_model import as_frame
+from workbench.models.references import fiber
 from workbench.models.references.fiber import FiberReference
 from workbench.responses import Outcome, Response, outcome_of
 from workbench.scenarios import (
@@ -100,7 +100,7 @@ def absorbed(
 def lumped(model: FiberReference, scenario: ColumnImpact | FrameImpact) -> FrameStructure:
     """The structure of a fiber reference with its mass at the nodes."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(structure, "PlanarAssembly", partial(PlanarAssembly, lumped=True))
+        patch.setattr(fiber, "PlanarAssembly", partial(PlanarAssembly, lumped=True))
         return model.structure(scenario)
 
 

@@ -284,7 +284,7 @@ def test_simulate_prints_one_object(
     assert answer["largest_drift"] is None
     low, high = answer["hinges"]["base"]["plastic_rotation"]
     assert answer["largest_plastic_rotation"] >= max(-low, high) > 0.0
-    assert [finding["subject"] for finding in answer["warnings"]] == ["error"]
+    assert [finding["subject"] for finding in answer["warnings"]] == ["error", "off-web"]
     error = answer["error"]
     assert error["low"] < error["expected"] < error["high"] < -0.1
     assert 0.9 < error["chance"] < 1.0

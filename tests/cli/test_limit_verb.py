@@ -60,7 +60,7 @@ def test_the_limit_warns_as_a_run_there_does(car: str, capsys: pytest.CaptureFix
     )
     there = json.loads(capsys.readouterr().out)["warnings"]
     findings = {w["subject"] for w in answer["warnings"]}
-    assert {w["subject"] for w in there} <= {*findings, "close-to-collapse"}
+    assert {w["subject"] for w in there} <= {*findings, "close-to-collapse", "off-web"}
     assert "error-not-measured" in findings  # webs slide further than the reference follows
     assert "warnings" not in answer["trials"][0]
     assert run(["limit", car, "--model", "four-dof"]) == 0

@@ -81,7 +81,7 @@ def headline(response: Response) -> str:
 
 def _direction(response: Response) -> str:
     """Direction of a hit that is not along the web of a column, in words."""
-    tables = tomllib.loads(response.attrs["scenario"])
+    tables = tomllib.loads(response.attrs.get("scenario", ""))
     if tables.get("column", {}).get("axis") == "weak":
         return "bent about the weak axis"
     angle = tables.get("striker", {}).get("angle", 0.0)

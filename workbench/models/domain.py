@@ -188,7 +188,7 @@ def buckling_findings(scenario: ColumnScenario) -> list[Finding]:
     And of one that buckles the column out of the plane of the impact before it is hit.
     """
     findings, column = [], scenario.column
-    load, critical = column.axial_load, euler_load(scenario)
+    load, critical = column.axial_load, column.euler_load(column.axis)
     weak = column.euler_load("weak")
     if column.axis == "strong" and weak <= load < critical:
         findings.append(finding("euler-weak", load / weak, load=load / 1e3, critical=weak / 1e3))

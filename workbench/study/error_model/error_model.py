@@ -536,9 +536,14 @@ def off_line(scenario: object, response: Response) -> list[Finding]:
     """
     if not isinstance(scenario, ColumnImpact) or outcome_of(response) is not Outcome.OK:
         return []
+    return list(_off_line(scenario))
+
+
+@lru_cache(maxsize=256)
+def _off_line(scenario: ColumnImpact) -> tuple[Finding, ...]:
     striker = scenario.striker
     if not isinstance(scenario.column.section.shape, ISection) or striker.friction > 0.0:
-        return []
+        return ()
     oblique = striker.angle > 0.0
     others = (
         striker,
@@ -547,12 +552,12 @@ def off_line(scenario: object, response: Response) -> list[Finding]:
     space = SevenDof()
     straight, other = (space.peak_of(scenario.changed(striker=each)) for each in others)
     if straight is None or other is None or not 0.0 < straight < inf:
-        return []
+        return ()
     if isinf(other):
-        return [finding("off-web-collapse")]
+        return (finding("off-web-collapse"),)
     more = 100.0 * (other / straight - 1.0)
     name, change = ("sticking-face", -more) if oblique else ("off-web", more)
-    return [finding(name, change)] if change > LEAST_MORE else []
+    return (finding(name, change),) if change > LEAST_MORE else ()
 
 
 def creeping(scenario: object, response: Response) -> list[Finding]:
