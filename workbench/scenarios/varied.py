@@ -73,7 +73,16 @@ class Varied(Sequence[Scenario]):
 
 
 _SIZES = {  # of what is 0 or not given, by unit
-    **{"": 0.5, "kg": 500.0, "kg m2": 50.0, "kg/m": 100.0, "m": 0.05, "m2": 5e-3, "m4": 4e-5},
+    **{
+        "": 0.5,
+        "rad": 0.5,
+        "kg": 500.0,
+        "kg m2": 50.0,
+        "kg/m": 100.0,
+        "m": 0.05,
+        "m2": 5e-3,
+        "m4": 4e-5,
+    },
     **{"N": 2e5, "N m": 1e5, "N/m": 1e7, "N m/rad": 1e6, "Pa": 1e9, "s": 0.05, "1/s": 10.0},
 }
 
