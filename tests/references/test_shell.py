@@ -366,3 +366,10 @@ def test_a_tube_and_its_walls_are_struck() -> None:
     response = strike(column, 12.0, duration=0.005)
     assert np.abs(response["twist"].values).max() < 1e-9
     assert float(response["displacement"][-1]) > own(response, "axis")[-1] > 0.0
+
+
+def test_a_record_shorter_than_its_parts_is_a_step_each(thesis_impact) -> None:
+    coarse = Shell(refinement=-1, levels=1)
+    response = coarse.simulate(replace(thesis_impact, duration=1e-3))
+    assert outcome_of(response) is Outcome.OK
+    assert len(response["time"]) > 10

@@ -182,5 +182,5 @@ def _records(spans: Sequence[tuple[float, float]], dt: float) -> Iterator[int]:
         if end > begin:
             count = max(1, ceil((end - begin) * dt / interval - 1e-9))
             marks = np.linspace(begin, end, count + 1).round().astype(int)
-            yield from np.unique(marks[1:]).tolist()
+            yield from np.unique(marks[marks > begin]).tolist()
             begin = end
