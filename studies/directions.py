@@ -32,7 +32,11 @@ DEGREES = (0.0, 5.0, 20.0, 45.0, 90.0)
 HEIGHTS, SPEEDS = (0.25, 0.35, 0.5), (6.0, 14.0)  # over the length of 4 m; m/s
 LENGTH, REACH, PRESSED = 4.0, 0.05, 0.1  # m; over the shorter segment; share of the squash load
 FIBERS, SHELL = "fibers in space", "shells"
-ANGLE, BELOW = "degrees off the web", "length below the impact point in m"
+ANGLE, SHOWN, BELOW = (
+    "degrees off the web",
+    "degrees off the web, 1 for none",
+    "length below the impact point in m",
+)
 models = {
     FIBERS: FiberSpace(levels=2),
     SHELL: Shell(levels=1),
@@ -61,7 +65,7 @@ def hit(name: str, angle: float, height: float, speed: float) -> Case:
         title,
         ColumnImpact(title, column, striker, 0.1),
         models=tuple(m for m in models if (m != SHELL or shells) and m not in plane_alone),
-        parameters={ANGLE: angle, BELOW: below},
+        parameters={ANGLE: angle, SHOWN: max(angle, 1.0), BELOW: below},
         quick=name == "HEB 220" and height == HEIGHTS[1] and speed == SPEEDS[0] and angle < 90.0,
     )
 
@@ -120,7 +124,7 @@ figures = (
         "Each point is a column; the colour is the class of the error of the peak displacement "
         "along the hit.",
         ("seven-dof",),
-        {"cases": EVERY, "against": FIBERS, "x": ANGLE, "over": BELOW, "y": "v/La"},
+        {"cases": EVERY, "against": FIBERS, "x": SHOWN, "over": BELOW, "y": "v/La"},
     ),
     Figure(
         "cost",
