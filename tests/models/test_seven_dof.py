@@ -14,11 +14,12 @@ from workbench.base.errors import InputError
 from workbench.models.base import make_model
 from workbench.models.batch import simulate_many
 from workbench.models.elastic_springs import Springs, beam_springs
-from workbench.models.seven_dof.model import SevenDof, torsion_constants
+from workbench.models.seven_dof.model import SevenDof
 from workbench.responses import Response, findings_of, outcome_of
 from workbench.scenarios import Column, ColumnImpact, Striker, scenario_from, to_toml
 from workbench.steel.materials import Steel
 from workbench.steel.sections import i_section, section_from
+from workbench.steel.sections.slenderness import torsion_constants
 
 STEEL = Steel(yield_stress=355e6)
 HEB, IPE = i_section(0.22, 0.22, 0.0095, 0.016), i_section(0.30, 0.15, 0.0071, 0.0107)

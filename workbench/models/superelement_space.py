@@ -19,10 +19,10 @@ from workbench.models.references.fiber_space import (
     stand_in_space,
     weaker,
 )
-from workbench.models.seven_dof.model import torsion_constants
 from workbench.responses import Finding, Response
 from workbench.scenarios import ColumnImpact, ColumnScenario, FrameScenario
 from workbench.steel.hinges import BiaxialSurface
+from workbench.steel.sections.slenderness import torsion_constants
 
 
 @dataclass(frozen=True)

@@ -34,11 +34,12 @@ from workbench.models.references.fiber import (
 )
 from workbench.models.references.fiber_beams import INTERPOLATED, SAMPLED
 from workbench.models.references.refine import REFINEMENT
-from workbench.models.seven_dof.model import about, torsion_constants
+from workbench.models.seven_dof.model import about
 from workbench.responses import Finding, Response, finding
 from workbench.scenarios import ColumnImpact, ColumnScenario, Frame, FrameScenario
 from workbench.steel.hinges import BiaxialSurface
 from workbench.steel.sections import AXES
+from workbench.steel.sections.slenderness import torsion_constants
 
 
 class SpaceMembers(FiberMembers):

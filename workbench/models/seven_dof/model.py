@@ -43,7 +43,7 @@ from workbench.scenarios import Column, ColumnImpact, ColumnScenario
 from workbench.scenarios.varied import spread
 from workbench.steel.hinges import BiaxialSurface
 from workbench.steel.hinges.biaxial_kernels import ROOM
-from workbench.steel.sections import CircularTube, ISection, Rectangle, RectangularTube, Section
+from workbench.steel.sections.slenderness import torsion_constants
 
 _AXES = ("strong", "weak")
 _ALONG = 1e-12  # cosine of a hit that is one along the flanges
@@ -56,27 +56,6 @@ def about(column: Column, axis: str) -> Column:
         return column
     of_section = {"second_moment": None, "plastic_moment": None}
     return column.unchecked(axis=axis, section=column.section.about(axis), **of_section)
-
-
-def torsion_constants(section: Section) -> tuple[float, float]:
-    """St Venant's torsion constant I_t (m4) and warping constant I_w (m6) of a section.
-
-    Thin plates of an I section without its fillets, Bredt's formula of a hollow one.
-    """
-    shape = section.shape
-    if isinstance(shape, ISection):
-        between = shape.height - shape.flange
-        plates = 2.0 * shape.width * shape.flange**3 + between * shape.web**3
-        return plates / 3.0, shape.flange * shape.width**3 / 12.0 * between**2 / 2.0
-    if isinstance(shape, RectangularTube):
-        h, b = shape.height - shape.wall, shape.width - shape.wall
-        return 2.0 * (h * b) ** 2 * shape.wall / (h + b), 0.0
-    if isinstance(shape, CircularTube):
-        return 2.0 * section.second_moment, 0.0
-    assert isinstance(shape, Rectangle)
-    long, short = max(shape.height, shape.width), min(shape.height, shape.width)
-    ratio = short / long  # Timoshenko and Goodier, within 0.5 %
-    return long * short**3 * (1.0 - 0.63 * ratio * (1.0 - ratio**4 / 12.0)) / 3.0, 0.0
 
 
 @dataclass(frozen=True)

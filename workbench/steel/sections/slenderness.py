@@ -13,6 +13,7 @@ from workbench.steel.sections.section import (
     CircularTube,
     ISection,
     Rectangle,
+    RectangularTube,
     Section,
     TurnedISection,
 )
@@ -143,6 +144,27 @@ def torsion_of(shape: ISection) -> tuple[float, float, float]:
         inscribed = ((r + 0.5 * web) ** 2 + (r + t) ** 2 - r**2) / (2.0 * r + t)
         twist += 2.0 * (web / t) * (0.145 + 0.1 * r / t) * inscribed**4 - 0.42 * t**4
     return weak, twist, t * b**3 / 24.0 * (h - t) ** 2
+
+
+def torsion_constants(section: Section) -> tuple[float, float]:
+    """St Venant's torsion constant I_t (m4) and warping constant I_w (m6) of a section.
+
+    Thin plates of an I section without its fillets, Bredt's formula of a hollow one.
+    """
+    shape = section.shape
+    if isinstance(shape, ISection):
+        between = shape.height - shape.flange
+        plates = 2.0 * shape.width * shape.flange**3 + between * shape.web**3
+        return plates / 3.0, shape.flange * shape.width**3 / 12.0 * between**2 / 2.0
+    if isinstance(shape, RectangularTube):
+        h, b = shape.height - shape.wall, shape.width - shape.wall
+        return 2.0 * (h * b) ** 2 * shape.wall / (h + b), 0.0
+    if isinstance(shape, CircularTube):
+        return 2.0 * section.second_moment, 0.0
+    assert isinstance(shape, Rectangle)
+    long, short = max(shape.height, shape.width), min(shape.height, shape.width)
+    ratio = short / long  # Timoshenko and Goodier, within 0.5 %
+    return long * short**3 * (1.0 - 0.63 * ratio * (1.0 - ratio**4 / 12.0)) / 3.0, 0.0
 
 
 def lateral_torsional(
