@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.march import CollapseLimits
 from workbench.mechanics.structures.paths import apply_loads
 from workbench.mechanics.structures.superelements import (
     HingeEnd,
@@ -12,7 +13,6 @@ from workbench.mechanics.structures.superelements import (
     Superelements,
     sway_stiffness,
 )
-from workbench.mechanics.structures.superelements.march import CollapseLimits
 from workbench.steel.hinges import YieldSurface
 from workbench.steel.materials import Steel
 from workbench.steel.sections import find

@@ -13,7 +13,7 @@ from workbench.mechanics.frames.runs import Record
 from workbench.mechanics.frames.struck import StruckRecord, show
 from workbench.mechanics.impact.pace import Pace
 from workbench.mechanics.structures.impact import PointMass, StepEnergies, TimeStep
-from workbench.mechanics.structures.superelements.march import follow_impact
+from workbench.mechanics.structures.march import follow_impact
 from workbench.models.frame_model import as_frame
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import Response

@@ -14,7 +14,7 @@ from workbench.mechanics.impact.pace import Pace
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.impact import PointMass
 from workbench.mechanics.structures.kernels import solve_band
-from workbench.mechanics.structures.superelements.march import follow_impact
+from workbench.mechanics.structures.march import follow_impact
 
 DURATION = 0.04
 BY_ERROR = Pace(DURATION, 1e-6, 4e-4, 1e-4, 1.2e-2, 0.01, 0.0, 100_000)

@@ -12,15 +12,23 @@ import numpy as np
 from workbench.base.fields import Number, checked
 from workbench.mechanics.frames.structure import FrameStructure
 from workbench.mechanics.structures.space import SpaceBar, SpaceSuperelements
-from workbench.models.frame_model import ELEMENTS, REGULARISATION, TIME_STEP, FrameModel, as_frame
+from workbench.models.frame_model import (
+    ELEMENTS,
+    REGULARISATION,
+    TIME_STEP,
+    Clock,
+    FrameModel,
+    as_frame,
+)
 from workbench.models.references.fiber_space import (
     Turned,
     findings_in_space,
     stand_in_space,
     weaker,
 )
+from workbench.models.superelements import SHARE, march
 from workbench.responses import Finding, Response
-from workbench.scenarios import ColumnImpact, ColumnScenario, FrameScenario
+from workbench.scenarios import ColumnImpact, ColumnScenario, FrameImpact, FrameScenario
 from workbench.steel.hinges import BiaxialSurface
 from workbench.steel.sections.slenderness import torsion_constants
 
@@ -29,16 +37,18 @@ from workbench.steel.sections.slenderness import torsion_constants
 class SuperelementSpace(FrameModel):
     """Elastic bars in space between hinges that yield under N and both moments.
 
-    Options: `hinge_stiffness`, n of the hinges' n 2EA/L and n 6EI/L (100: nearly rigid-plastic).
+    Options: `hinge_stiffness`, n of the hinges' n 2EA/L and n 6EI/L (100: nearly rigid-plastic);
+    `accuracy`, as of the plane superelements.
     """
 
     elements: int | None = ELEMENTS()
     time_step: float | None = TIME_STEP()
     regularisation: float = REGULARISATION()
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)
+    accuracy: float = SHARE()
 
     name: ClassVar[str] = "superelement-space"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     geometry = "co-rotational"
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     spatial: ClassVar[bool] = True
@@ -61,6 +71,9 @@ class SuperelementSpace(FrameModel):
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
         """Answer a scenario that is in the domain; raises as `FrameModel.solve`."""
         return self.run(as_frame(scenario), self.structure(scenario))
+
+    def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
+        return march(self, scenario, structure, clock.timed)
 
     def structure(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
         """The column under its dead loads. Raises `SolverError`."""

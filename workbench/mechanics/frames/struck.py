@@ -1,4 +1,4 @@
-"""Impacts on superelements: records that read many states at a time, and what follows them.
+"""Impacts in compiled steps: records that read many states at a time, and what follows them.
 
 Steps are long once the structure has swung back; an impact whose peak comes later is followed anew,
 with small steps as far as that.
@@ -15,13 +15,13 @@ from workbench.mechanics.frames.runs import Record, Snapshots
 from workbench.mechanics.frames.structure import FrameStructure
 from workbench.mechanics.impact.pace import NEARLY, Pace, late_peak
 from workbench.mechanics.structures.impact import PointMass, TimeStep
-from workbench.mechanics.structures.paths import PathStep
-from workbench.mechanics.structures.superelements import Superelements, SuperelementState
-from workbench.mechanics.structures.superelements.march import (
+from workbench.mechanics.structures.march import (
     CollapseLimits,
     Records,
+    StruckBars,
     follow_impact,
 )
+from workbench.mechanics.structures.paths import PathStep
 from workbench.responses.kernels import side_of
 from workbench.scenarios import FrameImpact
 
@@ -34,7 +34,8 @@ _COLUMNS = {"impulse": "percussion", "striker.velocity": "striker_velocity"}
 def show(structure: FrameStructure, records: Records, rows: Any) -> None:
     """Make a structure show the states of these `rows` of the records, for its readers."""
     (group,) = structure.assembly.groups
-    cast(Superelements, group).show(SuperelementState(*(each[rows] for each in records.states)))
+    states = records.states
+    cast(StruckBars, group).show(type(states)(*(each[rows] for each in states)))
     structure.assembly.show(records.x[rows], records.v[rows], records.table["stored"][rows])
 
 

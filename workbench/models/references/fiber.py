@@ -231,6 +231,8 @@ class FiberMembers(MemberReader):
     length; `shear_yields`, whether yielding limits the shear force.
     """
 
+    elements: FiberElements
+
     def __init__(
         self,
         frame: Frame,
@@ -241,7 +243,7 @@ class FiberMembers(MemberReader):
         shear_yields: bool,
     ) -> None:
         super().__init__(beams, mesh.first)
-        self._mesh, self._beams, self._springs = mesh, beams, springs
+        self._mesh, self._springs = mesh, springs
         self._sampled, self._shear_yields = sampled, shear_yields
         sections = [frame.strength_section(member) for member in frame.members]
         steel = frame.steel
@@ -252,12 +254,13 @@ class FiberMembers(MemberReader):
         self._half = 2 * mesh.member + mesh.upper
         self._hinge = np.array([2 * m + (not start) for m, start, _, _ in mesh.joints], dtype=int)
         self._dofs: tuple[Indices, Indices] | None = None
+        self._drawn = drawn_points(mesh)
 
     def plastic_rotations(self) -> Array:
         """Plastic curvature integrated over the half member next to each end, and its joint."""
-        rotation = np.bincount(
-            self._half, weights=self._beams.plastic_rotations(), minlength=len(self._ends)
-        ).astype(float)
+        of_elements = self.elements.plastic_rotations()
+        rotation = np.zeros((*of_elements.shape[:-1], len(self._ends)))
+        np.add.at(rotation.T, self._half, of_elements.T)
         if self._springs is not None:
             rotation[self._hinge] += self._springs.plastic
         return rotation
@@ -267,7 +270,7 @@ class FiberMembers(MemberReader):
 
         Of the joint there, if more of its strength is used.
         """
-        local = self._beams.local_forces[self._ends]
+        local = self.elements.local_forces[self._ends]
         rows = np.arange(len(local))
         near = self._signs * local[rows, 1 + self._side]
         far = -self._signs * local[rows, 2 - self._side]
@@ -285,33 +288,41 @@ class FiberMembers(MemberReader):
 
     def shear_forces(self) -> Array:
         """Shear force of each member (members,), mean along it."""
-        return self._mean(self._beams.shear_forces)
+        return self._mean(self.elements.shear_forces)
 
     def shear_strains(self) -> Array | None:
         """Shear strain of each member (members,), mean along it; None unless shear yields."""
-        return self._mean(self._beams.shear_strains) if self._shear_yields else None
+        return self._mean(self.elements.shear_strains) if self._shear_yields else None
 
     def _mean(self, values: Array) -> Array:
         """Magnitude of the mean along each member (members,) of values (elements,)."""
         mesh = self._mesh
-        weighted = np.add.reduceat(values * mesh.lengths, mesh.first[:-1])
+        weighted = np.add.reduceat(values * mesh.lengths, mesh.first[:-1], axis=-1)
         return np.abs(weighted / np.add.reduceat(mesh.lengths, mesh.first[:-1]))
 
     def shapes(self, assembly: PlanarAssembly) -> Array:
         """Displaced positions (members, points, 2), straight between the nodes."""
-        mesh = self._mesh
         if self._dofs is None:
-            count = range(len(mesh.coordinates))
+            count = range(len(self._mesh.coordinates))
             self._dofs = assembly.dofs(count, "u"), assembly.dofs(count, "v")
-        moved = [assembly.displacement[dofs] for dofs in self._dofs]
-        position = mesh.coordinates + np.stack(moved, axis=1)
-        shapes = np.empty((len(mesh.first) - 1, len(POINTS), 2))
-        for shape, first, last in zip(shapes, mesh.first[:-1], mesh.first[1:], strict=True):
-            line = np.append(mesh.nodes[first:last, 0], mesh.nodes[last - 1, 1])
-            at = np.concatenate([[0.0], np.cumsum(mesh.lengths[first:last])])
-            for axis in range(2):
-                shape[:, axis] = np.interp(POINTS * at[-1], at, position[line, axis])
-        return shapes
+        moved = [assembly.displacement[..., dofs] for dofs in self._dofs]
+        position = self._mesh.coordinates + np.stack(moved, axis=-1)
+        start, end, share = self._drawn
+        first, last = position[..., start, :], position[..., end, :]
+        return np.asarray(first + share[..., None] * (last - first))
+
+
+def drawn_points(mesh: FrameMesh) -> tuple[Indices, Indices, Array]:
+    """Nodes before and after the `POINTS` of all members, and how far between (members, points)."""
+    rows = []
+    for first, last in zip(mesh.first[:-1], mesh.first[1:], strict=True):
+        line = np.append(mesh.nodes[first:last, 0], mesh.nodes[last - 1, 1])
+        at = np.concatenate([[0.0], np.cumsum(mesh.lengths[first:last])])
+        points = POINTS * at[-1]
+        k = np.clip(np.searchsorted(at, points, side="right") - 1, 0, len(at) - 2)
+        rows.append((line[k], line[k + 1], (points - at[k]) / (at[k + 1] - at[k])))
+    start, end, share = (np.stack(each) for each in zip(*rows, strict=True))
+    return start, end, share
 
 
 def joint_springs(frame: Frame, mesh: FrameMesh) -> JointSprings | None:

@@ -55,10 +55,10 @@ class SpaceMembers(FiberMembers):
     def utilisation(self) -> Array:
         """Gauge of N, M_y and M_z (hinges,) where the end is sampled: 1 on the exact surface."""
         beams: Any = self.elements
-        forces, rows = beams.section_forces[self._ends], np.arange(len(self._ends))
-        near, far = forces[rows, self._side], forces[rows, 1 - self._side]
+        forces, rows = beams.section_forces[..., self._ends, :, :], np.arange(len(self._ends))
+        near, far = forces[..., rows, self._side, :], forces[..., rows, 1 - self._side, :]
         share = (1.0 - self._sampled) * near + self._sampled * far
-        return self._surface.gauge((share / self._strength)[:, [0, 2, 1]])
+        return self._surface.gauge((share / self._strength)[..., [0, 2, 1]])
 
 
 class Turned(NamedTuple):

@@ -108,28 +108,28 @@ class SpaceElements(ElementGroup):
     @property
     def elongations(self) -> Array:
         """Committed change of chord length of the elements (elements,), in m."""
-        return np.asarray(self._old.deformation[:, 0])
+        return np.asarray(self._old.deformation[..., 0])
 
     @property
     def section_forces(self) -> Array:
         """Committed N, and internal M_y and M_z at both ends (elements, 2, 3)."""
         Q = self._old.forces
-        first, second = Q[:, [0, 2, 3]], Q[:, [0, 5, 6]]
-        return np.stack([first * [1.0, -1.0, -1.0], second], axis=1)
+        first, second = Q[..., [0, 2, 3]], Q[..., [0, 5, 6]]
+        return np.stack([first * [1.0, -1.0, -1.0], second], axis=-2)
 
     @property
     def local_forces(self) -> Array:
         """Committed N and end moments about the z axis of the structure, by the axes at rest."""
         Q = self._old.forces
-        ends = np.stack([Q[:, [2, 3]], Q[:, [5, 6]]], axis=1)
-        moments = np.einsum("eni,ei->en", ends, self.rest[:, 2, 1:])
-        return np.concatenate([Q[:, :1], moments], axis=1)
+        ends = np.stack([Q[..., [2, 3]], Q[..., [5, 6]]], axis=-2)
+        moments = np.einsum("...eni,ei->...en", ends, self.rest[:, 2, 1:])
+        return np.concatenate([Q[..., :1], moments], axis=-1)
 
     @property
     def shear_forces(self) -> Array:
         """Committed shear force along the height of the section (elements,), in N."""
         Q = self._old.forces
-        return np.asarray((Q[:, 3] + Q[:, 6]) / (self.lengths + self.elongations))
+        return np.asarray((Q[..., 3] + Q[..., 6]) / (self.lengths + self.elongations))
 
 
 class SpaceBeams(SpaceElements, FiberElements):

@@ -9,7 +9,10 @@ the weighted instant of a step; what they flow goes on to its end.
 import numpy as np
 
 from workbench.base.compiled import njit
+from workbench.mechanics.impact.contact import inner
+from workbench.mechanics.impact.integrator import begin
 from workbench.mechanics.structures.kernels import copy
+from workbench.mechanics.structures.march import BarFunctions, march_of_bars
 from workbench.mechanics.structures.space.frame_kernels import (
     add_moved_element,
     empty_frame,
@@ -27,7 +30,7 @@ def element_forces(e, bars, weight, d, old, new, Q, C):
     Arguments: tables of the `bars`; `weight` of the instant; states. Writes the plastic
     deformations at the end of the step. False where the projection fails.
     """
-    room, strength, trial = new.rooms[e], bars.strength[e], np.empty(5)
+    room, strength, trial = bars.rooms[e], bars.strength[e], np.empty(5)
     for i in range(5):
         trial[i] = strength[i] * (d[OF[i]] - old.plastic[e, i])
     state = project(bars.surfaces[bars.of[e]], bars.stiffness[e], trial, room)
@@ -52,7 +55,7 @@ def element_forces(e, bars, weight, d, old, new, Q, C):
 
 
 @njit(cache=True, error_model="numpy")
-def assemble(step, places, bars, axes, old, new):
+def assemble(step, places, bars, old, new):
     """Add forces and tangent of all elements of a group for a `step`; write the state `new`.
 
     Where a projection fails forces are not numbers, so that the step does not count as solved.
@@ -61,19 +64,22 @@ def assemble(step, places, bars, axes, old, new):
     moved, within, Q, C = np.empty(12), np.empty(7), np.empty(7), np.empty((7, 7))
     share = step.weight if step.dynamic else 1.0
     for e in range(places.dofs.shape[0]):
-        move_element(step, places, e, axes[e], old, new, moved, end)
+        move_element(step, places, e, bars.axes[e], old, new, moved, end)
         for i in range(7):
             within[i] = (1.0 - share) * old.deformation[e, i] + share * end.d[i]
         if not element_forces(e, bars, share, within, old, new, Q, C):
             Q[0] = np.nan
         copy(Q, new.forces[e])
-        add_moved_element(step, places, e, axes[e], old, moved, end, middle, Q, C)
+        add_moved_element(step, places, e, bars.axes[e], old, moved, end, middle, Q, C)
 
 
 @njit(cache=True, error_model="numpy")
-def account(weight, places, bars, _axes, old, new):
-    """Energies of a step from the committed to the trial state of a group, see `StepEnergies`."""
-    stored = plastic = algorithmic = 0.0
+def finish(weight, places, bars, old, new):
+    """Energies of a step as of `account`, and the work of changes of forces on the flow, in J.
+
+    It shows where hinges begin to flow, ring, or follow the surface around a bend.
+    """
+    stored = plastic = algorithmic = late = 0.0
     lag, start, end = weight - 0.5, np.empty(5), np.empty(5)
     for e in range(places.lengths.shape[0]):
         strength, d0, d1 = bars.strength[e], old.deformation[e], new.deformation[e]
@@ -87,10 +93,58 @@ def account(weight, places, bars, _axes, old, new):
             stored += 0.5 * held * d1[OF[i]] ** 2
             algorithmic += lag * held * (d1[OF[i]] - d0[OF[i]]) ** 2
         for i in range(5):
-            flow = strength[i] * (new.plastic[e, i] - old.plastic[e, i])
+            flow, change = strength[i] * (new.plastic[e, i] - old.plastic[e, i]), 0.0
             for j in range(5):
                 k = bars.stiffness[e, i, j]
                 stored += 0.5 * end[i] * k * end[j]
                 algorithmic += lag * (end[i] - start[i]) * k * (end[j] - start[j])
                 plastic += flow * k * ((1.0 - weight) * start[j] + weight * end[j])
-    return stored, plastic, algorithmic, plastic
+                change += k * (end[j] - start[j])
+            late += 0.5 * abs(flow * change)
+    return stored, plastic, algorithmic, plastic, late
+
+
+@njit(cache=True, error_model="numpy")
+def account(weight, places, bars, old, new):
+    """Energies of a step from the committed to the trial state of a group, see `StepEnergies`."""
+    return finish(weight, places, bars, old, new)[:4]
+
+
+@inner
+def start(_old, _new):
+    """Begin a step: projections begin where the last ones ended."""
+
+
+@inner
+def keep(new, old):
+    """Commit the state of a step."""
+    copy(new.triads, old.triads)
+    copy(new.chord, old.chord)
+    copy(new.deformation, old.deformation)
+    copy(new.forces, old.forces)
+    copy(new.plastic, old.plastic)
+
+
+@inner
+def write(old, states, n):
+    """Committed state as row n of `states`."""
+    copy(old.triads, states.triads[n])
+    copy(old.chord, states.chord[n])
+    copy(old.deformation, states.deformation[n])
+    copy(old.forces, states.forces[n])
+    copy(old.plastic, states.plastic[n])
+
+
+@inner
+def kinetic(_bars, _old):
+    """Kinetic energy beside the mass matrix: none."""
+    return 0.0
+
+
+advance = march_of_bars(BarFunctions(assemble, start, finish, keep, write, kinetic), 3, 6)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def impact(system, drive, progress, records):
+    """Follow an impact, see `workbench.mechanics.impact.integrator`: (status, records written)."""
+    return advance(system, begin(drive, progress[0]), progress[0], records)

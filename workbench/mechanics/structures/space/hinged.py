@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.base.arrays import Array, Indices
+from workbench.mechanics.structures.march import StruckBars
 from workbench.mechanics.structures.space import hinge_kernels
 from workbench.mechanics.structures.space.beams import SpaceElements
 from workbench.steel.hinges import BiaxialSurface
@@ -49,7 +50,8 @@ class SpaceBars(NamedTuple):
 
     `surfaces` (bars,) and which one elements have, `of` (e,); `strength` (e, 5); `stiffness` (e, 5,
     5) over the strengths; `torsion` G I_t / L (e,); `held`, share of the elastic stiffness beside
-    the hinges.
+    the hinges; `axes` (e, 2, 3, 3) of the dofs of both nodes, as rows; `rooms` (e,) of the
+    projections, which know from where the next one begins.
     """
 
     surfaces: Any
@@ -58,23 +60,21 @@ class SpaceBars(NamedTuple):
     stiffness: Array
     torsion: Array
     held: float
+    axes: Array
+    rooms: Any
 
 
 class HingedState(NamedTuple):
-    """State of all superelements in space: as `SpaceState`, with plastic deformations (e, 5).
-
-    `rooms` (e,) of the projections, which know from where the next one begins.
-    """
+    """State of all superelements in space: as `SpaceState`, with plastic deformations (e, 5)."""
 
     triads: Array
     chord: Array
     deformation: Array
     forces: Array
     plastic: Array
-    rooms: Any
 
 
-class SpaceSuperelements(SpaceElements):
+class SpaceSuperelements(StruckBars, SpaceElements):
     """Superelements in space.
 
     Arguments: `nodes` (elements, 2); which of the `bars` each has, `of` (elements,); `lengths` in
@@ -83,6 +83,8 @@ class SpaceSuperelements(SpaceElements):
     """
 
     kernels: Any = hinge_kernels
+    impact: Any = staticmethod(hinge_kernels.impact)
+    _old: HingedState
 
     def __init__(
         self,
@@ -101,15 +103,15 @@ class SpaceSuperelements(SpaceElements):
         torsion = np.array([bar.torsion for bar in bars])[of] / lengths
         surfaces = np.array([bar.surface.record for bar in bars])
         scaled = stiffness / (strength[:, :, None] * strength[:, None, :])
-        tables = SpaceBars(surfaces, of, strength, scaled, torsion, regularisation)
-        self.tables = tables, self._axes
+        rooms = np.zeros(count, ROOM)
+        given = surfaces, of, strength, scaled, torsion, regularisation, self._axes, rooms
+        self.tables = (SpaceBars(*given),)
         state = HingedState(
             np.zeros((count, 2, 3, 3)),
             np.zeros((count, 3)),
             np.zeros((count, 7)),
             np.zeros((count, 7)),
             np.zeros((count, 5)),
-            np.zeros(count, ROOM),
         )
         mass, rotary = np.array([[bar.mass, bar.rotary] for bar in bars])[of].T
         super().__init__(nodes, state, mass, rotary / mass)
@@ -117,5 +119,20 @@ class SpaceSuperelements(SpaceElements):
     def plastic_rotations(self) -> Array:
         """Committed plastic rotation of both hinges about the structure's z axis (elements,)."""
         plastic = self._old.plastic
-        turns = np.stack([plastic[:, 4] - plastic[:, 2], plastic[:, 3] - plastic[:, 1]], axis=1)
-        return np.asarray(np.sum(turns * self.rest[:, 2, 1:], axis=1))
+        turns = plastic[..., [4, 3]] - plastic[..., [2, 1]]
+        return np.asarray(np.sum(turns * self.rest[:, 2, 1:], axis=-1))
+
+    @property
+    def states(self) -> tuple[HingedState, HingedState]:
+        """The committed state and the one assembled last."""
+        return self._old, self._new
+
+    def own_tables(self) -> SpaceBars:
+        """Tables for the kernels, with scratch of their own."""
+        (tables,) = self.tables
+        own: SpaceBars = tables._replace(rooms=tables.rooms.copy())
+        return own
+
+    def show(self, state: HingedState) -> None:
+        """Take a state that was reached elsewhere, or several (..., e, n), to be looked at."""
+        self._old = state

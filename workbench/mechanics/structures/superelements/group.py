@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from workbench.base.arrays import Array, Flags
 from workbench.mechanics.structures.elements import Bars, HingedElements
+from workbench.mechanics.structures.march import StruckBars
 from workbench.mechanics.structures.superelements import kernels
 from workbench.steel.hinges import ShearSurface, YieldSurface
 from workbench.steel.hinges.kernels import LAW, MOST, gauge
@@ -165,7 +166,7 @@ def scratch(elements: int, flows: int = 5) -> tuple[Array, ...]:
     return tuple(np.empty(shape) for shape in shapes)
 
 
-class Superelements(HingedElements):
+class Superelements(StruckBars, HingedElements):
     """Two-node superelements.
 
     Arguments: `nodes` (elements, 2), node numbers; `kinds` (elements,), what each element consists
@@ -175,6 +176,7 @@ class Superelements(HingedElements):
     """
 
     kernels: Any = kernels
+    impact: Any = staticmethod(kernels.impact)
     _old: SuperelementState
 
     def __init__(
@@ -235,6 +237,10 @@ class Superelements(HingedElements):
     def states(self) -> tuple[SuperelementState, SuperelementState]:
         """The committed state and the one assembled last."""
         return self._old, self._new
+
+    def own_tables(self) -> HingeTables:
+        """Tables for the kernels, with scratch of their own."""
+        return self._tables._replace(scratch=scratch(len(self.lengths), self._columns))
 
     def show(self, state: SuperelementState) -> None:
         """Take a state that was reached elsewhere, or several (..., e, 3), to be looked at."""

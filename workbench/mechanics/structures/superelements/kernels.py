@@ -5,37 +5,24 @@ Q, what hinges and bar carry; eta, the share of the elastic stiffness that alway
 them and keeps the tangent regular; alpha, rotation of the chord, the only rotation of a rigid
 bar that has inertia. Source: Heng 2017, papers III and IV; midpoint form of Hamilton's
 principle for the rotary inertia after Simo and Tarnow 1992.
-
-The equations of a time step of superelements with a striker, for Newton's method.
-
-A midpoint step solves M (v1 - v0) / dt + f = p + w P / dt with v1 = 2 (x1 - x0) / dt - v0 and
-energy-exact forces f; a closed contact eliminates the impulse P. Axial vibrations of the bars are
-not resolved: the scheme keeps their energy at any step.
 """
 
 import math
-from typing import Any, NamedTuple
 
 from numba.core.types import NoneType
 from numba.extending import overload
 
-from workbench.base.arrays import Array, Indices
 from workbench.base.compiled import njit
 from workbench.mechanics.impact.contact import inner
-from workbench.mechanics.structures.elements import StepRequest
+from workbench.mechanics.impact.integrator import begin
 from workbench.mechanics.structures.kernels import (
     Chord,
-    add_inertia,
     add_moved_element,
-    allowed_residual,
-    band_product,
     chord_at,
     chord_before,
     copy,
-    hold,
-    largest,
-    solve_band,
 )
+from workbench.mechanics.structures.march import BarFunctions, march_of_bars
 from workbench.steel.hinges.kernels import flow_of_bar
 from workbench.steel.hinges.panel_elements import project_condensed
 from workbench.steel.hinges.panel_kernels import HingePair, Panel, project_pair, utilisation
@@ -312,169 +299,50 @@ def account(weight, bars, hinges, old, new):
     return settle(weight, hinges, old, new)[:4]
 
 
-LARGEST_TURN = 0.03  # rad of a node in an iteration; beyond it a spring holds it back
-
-
-class Body(NamedTuple):
-    """Body that does not change in a run: the structure and where the striker hits it.
-
-    `bars` and `hinges` of all elements; flat bands of the `mass` with half-bandwidth `width`;
-    `held` dofs; dead `load` (dofs,); springs to the ground: `spring_dofs`, and `springs` (s, 2) of
-    stiffness and place where unstressed; `shortest` element in m; struck `dof`, the `sign` of the
-    strike, `origin` of its path in m; `energy` of the striker at first in J; `tolerance` of the
-    residual over the largest force.
-    """
-
-    bars: Any
-    hinges: Any
-    mass: Array
-    width: int
-    held: Indices
-    load: Array
-    spring_dofs: Indices
-    springs: Array
-    shortest: float
-    dof: int
-    sign: float
-    origin: float
-    energy: float
-    tolerance: float
-
-
-class Motion(NamedTuple):
-    """Motion: committed `x`, `v` and momentum M v (dofs,), states of the elements.
-
-    `old` is committed, `new` the trial; mean `rate` (dofs,) of the last step, how that has changed
-    since the one before, `slope`, and is expected to change, `trend`, both per time; `lasted` (1,),
-    length of the last step; `force` (1,), the largest nodal force so far; `energies` (2,) of
-    LEDGER, committed sums and those of the trial step.
-    """
-
-    x: Array
-    v: Array
-    momentum: Array
-    old: Any
-    new: Any
-    rate: Array
-    slope: Array
-    trend: Array
-    lasted: Array
-    force: Array
-    energies: Any
-
-
-class Work(NamedTuple):
-    """Scratch of a step: the flat `band` of the tangent, one `kept`, and vectors (dofs,)."""
-
-    band: Array
-    kept: Array
-    x: Array
-    start: Array
-    moved: Array
-    given: Array
-    internal: Array
-    residual: Array
-    step: Array
-    pull: Array
-    pivots: Indices
+@inner
+def start(old, new):
+    """Begin a step: projections start at the forces that hinges carry."""
+    copy(old.carried, new.carried)
 
 
 @inner
-def vectors(s):
-    """Displacements at the end of the step, where Newton's step began, that step, the residual."""
-    return s.work.x, s.work.start, s.work.step, s.work.residual
+def finish(weight, _bars, hinges, old, new):
+    """Energies of a step that is solved, and what it spends on flow, see `settle`."""
+    return settle(weight, hinges, old, new)
 
 
 @inner
-def evaluate(s, dt, closed, touch, striker):
-    """Residual and tangent of a step of `dt` (s) that ends at `work.x`; size of the residual.
-
-    A `closed` contact ends the step with the velocity `touch` of the `striker` (kg), before what P
-    takes.
-    """
-    body, motion, work, x = s.body, s.motion, s.work, s.work.x
-    factor = 2.0 / (dt * dt)
-    for i in range(work.band.size):
-        work.band[i] = factor * body.mass[i]
-    work.internal[:] = 0.0
-    step = StepRequest(work.internal, work.band, motion.x, x, 0.5, True, dt, True)
-    assemble(step, body.bars, body.hinges, motion.old, motion.new)
-    diagonal, rows = 2 * body.width, 3 * body.width + 1
-    for k in range(body.spring_dofs.size):
-        dof, stiffness = body.spring_dofs[k], body.springs[k, 0]
-        at = 0.5 * (x[dof] + motion.x[dof])
-        work.internal[dof] += stiffness * (at - body.springs[k, 1])
-        work.band[dof * rows + diagonal] += 0.5 * stiffness
-    for i in range(x.size):
-        work.moved[i] = x[i] - motion.x[i]
-    add_inertia(
-        body.mass, body.width, work.moved, factor, work.given, work.internal, body.held,
-        work.residual,
-    )  # fmt: skip
-    if closed:
-        d = body.dof
-        v1 = body.sign * (2.0 * work.moved[d] / dt - motion.v[d])
-        work.residual[d] -= body.sign * striker * (touch - v1) / dt
-        work.band[d * rows + diagonal] += factor * striker
-    return largest(work.residual)
+def keep(new, old):
+    """Commit the state of a step."""
+    copy(new.plastic, old.plastic)
+    copy(new.carried, old.carried)
+    copy(new.local, old.local)
+    copy(new.deformation, old.deformation)
+    copy(new.rate, old.rate)
 
 
 @inner
-def allowed(s, dt, size):
-    """Residual of a solved step, `size` that of the first guess."""
-    body, motion = s.body, s.motion
-    least = body.tolerance * max(motion.force[0], largest(body.load), 1e-3 * size)
-    reach = max(largest(motion.x), body.shortest)
-    return allowed_residual(least, s.work.band, body.width, reach)
+def write(old, states, n):
+    """Committed state as row n of `states`."""
+    copy(old.plastic, states.plastic[n])
+    copy(old.carried, states.carried[n])
+    copy(old.local, states.local[n])
+    copy(old.deformation, states.deformation[n])
 
 
 @inner
-def aim(s):
-    """Write Newton's step; False if there is none."""
-    body, work = s.body, s.work
-    hold(work.band, body.width, body.held, work.x.size)
-    copy(work.band, work.kept)
-    for i in range(work.x.size):
-        work.step[i] = -work.residual[i]
-    if not solve_band(work.band, body.width, work.step, work.pivots):
-        return False
-    for i in range(2, work.x.size, 3):  # rotations: a node has u, v and that
-        if abs(work.step[i]) > LARGEST_TURN:
-            return _hold_back(body, work)
-    return True
-
-
-@inner
-def bend(s):
-    """Return d'Kd of the step d with the tangent K."""
-    band_product(s.work.band, s.body.width, s.work.step, s.work.pull)
-    return dot(s.work.step, s.work.pull)
-
-
-@inner
-def dot(a, b):
-    """Scalar product."""
+def kinetic(hinges, old):
+    """Kinetic energy of turning chords, in J."""
     total = 0.0
-    for i in range(a.size):
-        total += a[i] * b[i]
+    for e in range(hinges.rotary.size):
+        total += 0.5 * hinges.rotary[e] * old.rate[e] ** 2
     return total
 
 
-@inner
-def _hold_back(body, work):
-    """Write the step anew where a node turns by more than `LARGEST_TURN`; False if there is none.
+advance = march_of_bars(BarFunctions(assemble, start, finish, keep, write, kinetic), 2, 3)
 
-    A joint at which all hinges yield turns freely, and a step that follows its tangent far beyond
-    where they unload would cut all others short: such nodes are held by a spring, in the ratio of
-    the turns stiffer than they are by themselves or, at most, in the whole step.
-    """
-    rows, diagonal = 3 * body.width + 1, 2 * body.width
-    energy = abs(dot(work.step, work.residual))
-    for i in range(2, work.x.size, 3):
-        turn, at = abs(work.step[i]) / LARGEST_TURN, i * rows + diagonal
-        if turn > 1.0:
-            soft = min(abs(work.kept[at]), energy / work.step[i] ** 2)
-            work.kept[at] += (turn - 1.0) * soft
-    for i in range(work.x.size):
-        work.step[i] = -work.residual[i]
-    return solve_band(work.kept, body.width, work.step, work.pivots)
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def impact(system, drive, progress, records):
+    """Follow an impact, see `workbench.mechanics.impact.integrator`: (status, records written)."""
+    return advance(system, begin(drive, progress[0]), progress[0], records)
