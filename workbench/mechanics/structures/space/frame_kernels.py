@@ -239,11 +239,11 @@ def geometric(frame, Q, K):
     mean = 0.5 * (q[0, 0] + q[1, 0])
     lean = mean * upright  # q_x / q_y
     force = np.array([Q[0], -mz / long, (my + mx * lean) / long])
-    for j in range(12):
+    for j in range(3, 12):  # translations of the start are those of the end, reversed
         dx = changes[0, 0, j] + changes[1, 0, j]
         dy = changes[0, 1, j] + changes[1, 1, j]
         dz = changes[0, 2, j] + changes[1, 2, j]
-        longer = (1.0 if j == 6 else -1.0 if j == 0 else 0.0) / long
+        longer = 1.0 / long if j == 6 else 0.0
         # changes of the second axes of the nodes: (omega_i - w) x q_i
         along = across = 0.0
         for node in range(2):
@@ -258,8 +258,6 @@ def geometric(frame, Q, K):
         k[7, j] = -dz / long - force[1] * longer + wz * force[0] - wx * force[2]
         k[8, j] = (dy + dx * lean + mx * leaning) / long - force[2] * longer
         k[8, j] += wx * force[1] - wy * force[0]
-        for i in range(3):
-            k[i, j] = -k[6 + i, j]
         for node in range(2):
             half, at = 0.5 * upright, 3 + 6 * node
             nx = moments[node, 0] - half * mx * q[node, 1]
@@ -271,7 +269,7 @@ def geometric(frame, Q, K):
             k[at + 2, j] = changes[node, 2, j] + wx * ny - wy * nx
             k[at, j] += wy * nz - wz * ny
             k[at + 1, j] += wz * nx - wx * nz
-    rotate_blocks(R, R, k, K)
+    rotate_blocks(R, k, K)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -283,19 +281,25 @@ def product(a, b, result):
 
 
 @njit(cache=True, error_model="numpy")
-def rotate_blocks(rows, columns, k, K):
-    """Blocks of 3 x 3 of k (12, 12) turned: rows k columns', into K."""
-    half = np.empty((3, 3))
-    for a in range(0, 12, 3):
-        for b in range(0, 12, 3):
-            product(rows, k[a : a + 3, b : b + 3], half)
-            for i in range(3):
+def rotate_blocks(R, k, K):
+    """Blocks of 3 x 3 of k (12, 12) turned by R into K: those of the start are the end's, reversed.
+
+    Only rows and columns of rotations and of the end of k count.
+    """
+    for a in range(3, 12, 3):
+        for i in range(3):
+            r0, r1, r2 = R[i, 0], R[i, 1], R[i, 2]
+            for b in range(3, 12, 3):
+                h0 = r0 * k[a, b] + r1 * k[a + 1, b] + r2 * k[a + 2, b]
+                h1 = r0 * k[a, b + 1] + r1 * k[a + 1, b + 1] + r2 * k[a + 2, b + 1]
+                h2 = r0 * k[a, b + 2] + r1 * k[a + 1, b + 2] + r2 * k[a + 2, b + 2]
                 for j in range(3):
-                    K[a + i, b + j] = (
-                        half[i, 0] * columns[j, 0]
-                        + half[i, 1] * columns[j, 1]
-                        + half[i, 2] * columns[j, 2]
-                    )
+                    K[a + i, b + j] = h0 * R[j, 0] + h1 * R[j, 1] + h2 * R[j, 2]
+            for j in range(3):
+                K[a + i, j] = -K[a + i, 6 + j]
+    for i in range(3):
+        for j in range(12):
+            K[i, j] = -K[6 + i, j]
 
 
 @njit(cache=True, error_model="numpy")
@@ -451,15 +455,19 @@ def add_moved_element(step, bars, e, axes, old, moved, end, middle, Q, C):
     alpha = alpha / size if corrected else 0.0
     for j in range(12):
         force[j] = alpha * rest[j] if corrected else 0.0
-        for i in range(7):
-            force[j] += at.B[i, j] * Q[i]
-    K, CB = np.zeros((12, 12)), np.zeros((7, 12))
+    for i in range(7):
+        q = Q[i]
+        for j in range(12):
+            force[j] += at.B[i, j] * q
+    K = np.zeros((12, 12))
     if step.tangent:
+        CB = np.zeros((7, 12))
         for i in range(7):
             for c in range(7):
-                if C[i, c] != 0.0:
+                stiffness = share * C[i, c]
+                if stiffness != 0.0:
                     for j in range(12):
-                        CB[i, j] += share * C[i, c] * end.B[c, j]
+                        CB[i, j] += stiffness * end.B[c, j]
         geometric(at, Q, K)
         columns_by(K, maps[0], maps[1])
         for i in range(12):
@@ -468,19 +476,23 @@ def add_moved_element(step, bars, e, axes, old, moved, end, middle, Q, C):
                 K[i, 6 + j] *= way
         if corrected:  # the work that is missing, then the square of the straining part
             for j in range(12):
-                value = -2.0 * alpha * rest[j]
-                for i in range(7):
-                    value += gap[i] * CB[i, j] + Q[i] * (end.B[i, j] - at.B[i, j])
-                for i in range(12):
-                    value -= moved[i] * K[i, j]
-                missing[j] = value / size
+                missing[j] = -2.0 * alpha * rest[j]
+            for i in range(7):
+                g, q = gap[i], Q[i]
+                for j in range(12):
+                    missing[j] += g * CB[i, j] + q * (end.B[i, j] - at.B[i, j])
+            for i in range(12):
+                way_of = moved[i]
+                for j in range(12):
+                    missing[j] -= way_of * K[i, j]
             add_straining(alpha, chord, L, K)
+            for i in range(12):
+                share_of = rest[i] / size
+                for j in range(12):
+                    K[i, j] += share_of * missing[j]
         for c in range(7):
             for i in range(12):
+                gradient = at.B[c, i]
                 for j in range(12):
-                    K[i, j] += at.B[c, i] * CB[c, j]
-        if corrected:
-            for i in range(12):
-                for j in range(12):
-                    K[i, j] += rest[i] * missing[j]
+                    K[i, j] += gradient * CB[c, j]
     add_element(step, bars.dofs[e], bars.positions[e], axes, force, K)
