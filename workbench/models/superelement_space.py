@@ -24,7 +24,6 @@ from workbench.models.references.fiber_space import (
     Turned,
     findings_in_space,
     stand_in_space,
-    weaker,
 )
 from workbench.models.superelements import SHARE, march
 from workbench.responses import Finding, Response
@@ -66,7 +65,9 @@ class SuperelementSpace(FrameModel):
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings of all member models, buckling about the weaker axis, a face with friction."""
         assert isinstance(scenario, ColumnImpact)
-        return super().domain(weaker(scenario)) + findings_in_space(scenario, self.name)
+        return super().domain(
+            scenario.unchecked(column=scenario.column.weaker)
+        ) + findings_in_space(scenario, self.name)
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
         """Answer a scenario that is in the domain; raises as `FrameModel.solve`."""

@@ -172,7 +172,7 @@ def superelements(
     )
 
 
-def pace_of(model: Bars, scenario: FrameImpact) -> Pace:
+def pace_of(model: Any, scenario: FrameImpact) -> Pace:
     """How an impact is stepped through: by the error, or with `time_step`."""
     duration, spacing = scenario.duration, (1.0 - 1e-6) * scenario.duration / RECORDS
     waves = zip(wave_times(scenario.frame), model.parts(scenario), strict=True)
@@ -188,7 +188,7 @@ def pace_of(model: Bars, scenario: FrameImpact) -> Pace:
 
 
 def march(
-    model: Bars,
+    model: Any,
     scenario: FrameImpact,
     structure: FrameStructure,
     timed: Callable[[Iterator[Any]], Iterator[Any]],

@@ -188,6 +188,19 @@ class Column(MadeOfSteel, table="column"):
         clamps = (base == "clamped") + (head != "pinned")
         return {2: 0.5, 1: 0.699156, 0: 1.0}[clamps]
 
+    @property
+    def weaker(self) -> Column:
+        """The column bent about the axis with the smaller Euler load."""
+        both = [self.bent_about(axis) for axis in AXES]
+        return min(both, key=lambda column: column.euler_load(column.axis))
+
+    def bent_about(self, axis: str) -> Column:
+        """The column bent about an axis; section values that are given are those about its own."""
+        if axis == self.axis:
+            return self
+        of_section = {"second_moment": None, "plastic_moment": None}
+        return self.unchecked(axis=axis, section=self.section.about(axis), **of_section)
+
     def euler_load(self, axis: str) -> float:
         """Elastic critical load (N) about an axis; that of bending has the given second moment."""
         name = f"Euler load, {axis}"

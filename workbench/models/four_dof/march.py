@@ -175,10 +175,10 @@ def aim(s):
 @inner
 def bend(s):
     """Return d'Kd of the step d with the tangent K."""
-    total = 0.0
-    for i in range(4):
-        for k in range(4):
-            total += s.room[0].step[i] * s.room[0].J[i, k] * s.room[0].step[k]
+    step, J, total = s.room[0].step, s.room[0].J, 0.0
+    for i in range(step.size):
+        for k in range(step.size):
+            total += step[i] * J[i, k] * step[k]
     return total
 
 

@@ -210,7 +210,7 @@ def balance_rotation(column, state, work):
 @njit(cache=True, error_model="numpy")
 def hold(A, i):
     """Take the unknown i out of a system: its row and column become those of the identity."""
-    for k in range(4):
+    for k in range(A.shape[0]):
         A[i, k] = A[k, i] = 0.0
     A[i, i] = 1.0
 

@@ -34,7 +34,6 @@ from workbench.models.references.fiber import (
 )
 from workbench.models.references.fiber_beams import INTERPOLATED, SAMPLED
 from workbench.models.references.refine import REFINEMENT
-from workbench.models.seven_dof.model import about
 from workbench.responses import Finding, Response, finding
 from workbench.scenarios import ColumnImpact, ColumnScenario, Frame, FrameScenario
 from workbench.steel.hinges import BiaxialSurface
@@ -85,7 +84,7 @@ def stand_in_space(
     Arguments: `lengths` (m) of the elements below and above the impact point; `elements`, makes
     them; `sampled`, where an element samples plasticity, from its end and over its length.
     """
-    column = about(scenario.column, "strong")
+    column = scenario.column.bent_about("strong")
     angle = scenario.striker.angle + (0.5 * pi if scenario.column.axis == "weak" else 0.0)
     frame = as_frame(scenario.unchecked(column=column)).frame
     mesh = mesh_frame(frame, lengths)
@@ -112,12 +111,6 @@ def findings_in_space(scenario: ColumnImpact, name: str) -> list[Finding]:
     """Refusal of a face with friction, by the `name` of a model."""
     friction = scenario.striker.friction
     return [finding("face-friction", friction, name=name)] if friction > 0.0 else []
-
-
-def weaker(scenario: ColumnImpact) -> ColumnImpact:
-    """The impact on the column bent about the axis with the smaller Euler load."""
-    columns = [about(scenario.column, axis) for axis in AXES]
-    return scenario.unchecked(column=min(columns, key=lambda each: each.euler_load(each.axis)))
 
 
 @dataclass(frozen=True)
@@ -159,7 +152,9 @@ class FiberSpace(FiberReference):
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings of all fibers, buckling about the weaker axis, and a face with friction."""
         assert isinstance(scenario, ColumnImpact)
-        return super().domain(weaker(scenario)) + findings_in_space(scenario, self.name)
+        return super().domain(
+            scenario.unchecked(column=scenario.column.weaker)
+        ) + findings_in_space(scenario, self.name)
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
         """Answer a scenario that is in the domain; raises as `FrameModel.solve`."""

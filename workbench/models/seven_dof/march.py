@@ -27,7 +27,8 @@ from workbench.mechanics.impact.newton import Equations, newton_of
 from workbench.mechanics.impact.pace import EPS
 from workbench.mechanics.structures.kernels import copy, solve_dense
 from workbench.models.batch import COLLAPSES, UNKNOWN
-from workbench.models.four_dof.march import HINGES, read_hit
+from workbench.models.four_dof.march import HINGES, bend, mass_of, read_hit, vectors
+from workbench.models.four_dof.statics import hold
 from workbench.models.seven_dof.kinematics import (
     ABOVE,
     BELOW,
@@ -68,14 +69,6 @@ class SpaceColumn(NamedTuple):
     states: Any
     room: Any
     hinges: Any
-
-
-@njit(cache=True, error_model="numpy")
-def hold(A, i):
-    """Take the unknown i out of a system: its row and column become those of the identity."""
-    for k in range(7):
-        A[i, k] = A[k, i] = 0.0
-    A[i, i] = 1.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -197,12 +190,6 @@ def predict(s, dt, closed, touch, striker):
 
 
 @inner
-def vectors(s):
-    """Displacements of the step, where Newton's step began, that step, the residual."""
-    return s.room[0].moved, s.room[0].old, s.room[0].step, s.room[0].R
-
-
-@inner
 def allowed(s, dt, size):
     """Residual of a solved step: 1e-10, or what the round-off of velocities leaves."""
     work, column = s.room[0], s.columns[0]
@@ -223,16 +210,6 @@ def aim(s):
         return False
     shorten(s.columns[0].lengths, step)
     return True
-
-
-@inner
-def bend(s):
-    """Return d'Kd of the step d with the tangent K."""
-    total = 0.0
-    for i in range(7):
-        for k in range(7):
-            total += s.room[0].step[i] * s.room[0].J[i, k] * s.room[0].step[k]
-    return total
 
 
 @njit(cache=True, error_model="numpy")
@@ -409,12 +386,6 @@ def lost(s):
     shorter = min(min(lengths[0], lengths[1]), min(below, above))
     squashed = below + above < (1.0 - COLLAPSE_CONTRACTION) * (lengths[0] + lengths[1])
     return squashed or across**0.5 > COLLAPSE_SIDEWAYS * shorter
-
-
-@inner
-def mass_of(s):
-    """The impact mass; in equal steps none, the striker is met within a step as in the thesis."""
-    return s.room[0].collision_mass
 
 
 @inner

@@ -50,14 +50,6 @@ _ALONG = 1e-12  # cosine of a hit that is one along the flanges
 _BARS, _ENDS = np.array(HINGES).T
 
 
-def about(column: Column, axis: str) -> Column:
-    """The column bent about an axis; section values that are given are those about its own."""
-    if axis == column.axis:
-        return column
-    of_section = {"second_moment": None, "plastic_moment": None}
-    return column.unchecked(axis=axis, section=column.section.about(axis), **of_section)
-
-
 @dataclass(frozen=True)
 class SevenDof(RigidBars):
     """Column hit from any side; its impact point may drift sideways and twist."""
@@ -88,13 +80,13 @@ class SevenDof(RigidBars):
 
     def _torsion(self, column: Column, count: int) -> Array:
         """Torque over twist (N m/rad) of the impact point, of each of `count` columns."""
-        section = about(column, "strong").section
+        section = column.bent_about("strong").section
         (uniform, warping), total = torsion_constants(section), np.zeros(count)
         elastic, shear = (
             spread(each, count)
             for each in (column.steel.elastic_modulus, column.steel.shear_modulus)
         )
-        for length, clamped in about(column, "strong").bars.values():
+        for length, clamped in column.bent_about("strong").bars.values():
             whole = spread(length, count)
             held = np.sqrt(elastic * warping / (shear * uniform)) if clamped else np.zeros(count)
             total += 1.0 / (whole - held * np.tanh(whole / np.maximum(held, 1e-9 * whole)))
@@ -102,7 +94,7 @@ class SevenDof(RigidBars):
 
     def table_of(self, column: Column, count: int = 1) -> tuple[Any, Array]:
         """Bars of a stack of `count` columns: tables of them and their states (count, 7)."""
-        both = [about(column, axis) for axis in _AXES]
+        both = [column.bent_about(axis) for axis in _AXES]
         properties, bars = both[0].properties, np.zeros(count, COLUMN)
         seconds = [spread(each.properties.second_moment, count) for each in both]
         moments = [spread(each.properties.plastic_moment, count) for each in both]
@@ -175,7 +167,7 @@ class SevenDof(RigidBars):
         shear = [
             np.abs(stress[:, i] - stress[:, 2 + i])
             / chords
-            / about(column, axis).properties.shear_resistance
+            / column.bent_about(axis).properties.shear_resistance
             for i, axis in enumerate(_AXES, 1)
         ]
         return {
@@ -217,18 +209,17 @@ class SevenDof(RigidBars):
     def refused(self, scenario: ColumnImpact) -> Any:
         """Whether the domain refuses an impact; flags of a stack."""
         column = scenario.column
-        strong, weak = (about(column, axis).euler_load(axis) for axis in _AXES)
+        strong, weak = (column.bent_about(axis).euler_load(axis) for axis in _AXES)
         return column.axial_load >= np.minimum(strong, weak)
 
     def domain(self, scenario: Any) -> list[Finding]:
         """Findings on the smaller Euler load, and on shear forces along the web if it is hit so."""
         column = scenario.column
-        weaker = min((about(column, axis) for axis in _AXES), key=lambda c: c.euler_load(c.axis))
-        findings = super().domain(scenario.unchecked(column=weaker))
+        findings = super().domain(scenario.unchecked(column=column.weaker))
         if any(each.refusal for each in findings):
             return findings
         flanges = scenario.striker.angle > 0.5 * pi - _ALONG or column.axis == "weak"
-        sheared = about(column, "weak" if flanges else "strong")
+        sheared = column.bent_about("weak" if flanges else "strong")
         return findings + shear_findings(scenario.unchecked(column=sheared))
 
     def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:

@@ -8,7 +8,7 @@ from workbench.mechanics.structures.elements import StepEnergies
 from workbench.mechanics.structures.explicit import SAFETY, Face, stable_step
 from workbench.models.references.shell.kernels import ShellState, StepWork, respond
 from workbench.models.references.shell.mesh import ShellMesh, shell_mesh, supports_of
-from workbench.models.references.solid.kernels import SolidSteel
+from workbench.models.references.solid.kernels import LumpedAssembly, SolidSteel
 from workbench.models.references.solid.mesh import Supports
 from workbench.scenarios import Column
 from workbench.steel.materials import POISSON_RATIO, Steel
@@ -17,7 +17,7 @@ SMALL = 1e-7  # largest displacement (m, rad) at which the elastic stiffness is 
 MOST_STEPS = 200_000  # until it is at rest
 
 
-class ShellAssembly:
+class ShellAssembly(LumpedAssembly):
     """Shells for explicit steps, whose dofs are the unknowns of their supports.
 
     A call of `resist` takes them to the end of a step and is always followed by `commit`.
@@ -98,16 +98,6 @@ class ShellAssembly:
         gathered[self.head] += self.spring[0] * x[self.head]
         return np.asarray(gathered)
 
-    def mass_times(self, x: Array) -> Array:
-        """Product of the mass matrix with x (unknowns,)."""
-        return np.asarray(self.mass * x)
-
-    def begin_step(self, duration: float) -> None:
-        """Let the steel flow at a rate from now on, in explicit steps of that `duration` (s)."""
-        if self.rate is not None:
-            flow, exponent = self.rate.reference_rate * duration, self.rate.exponent
-            self.steel = self.steel._replace(reference_flow=flow, exponent=exponent)
-
     def account(self, end: Array, _weight: float) -> StepEnergies:
         """Energies of the step to `end`, with the mean of the stresses at both ends."""
         stiffness, unstressed = self.spring
@@ -122,10 +112,6 @@ class ShellAssembly:
         self.dissipated += self._work.plastic
         self.hourglass += self._work.hourglass
         self.displacement = end
-
-    def kinetic_energy(self) -> float:
-        """Kinetic energy of the unknowns, in J."""
-        return 0.5 * float(np.sum(self.mass * self.velocity**2))
 
     def settle(self, tolerance: float) -> int:
         """Come to rest under the loads: motion is stopped whenever it slows down.

@@ -21,7 +21,7 @@ from workbench.base.errors import SolverError
 from workbench.mechanics.structures.elements import StepEnergies
 from workbench.models.references.solid.mesh import SolidMesh, Supports, solid_mesh, supports_of
 from workbench.scenarios import Column
-from workbench.steel.materials import POISSON_RATIO, Steel
+from workbench.steel.materials import POISSON_RATIO, CowperSymonds, Steel
 
 RETURN_ITERATIONS = 50
 CLOSED = 2e-15  # of the yield stress: round-off; the iteration comes from below
@@ -433,7 +433,33 @@ def add_stiffness(slope: Array, weight: float, K: Array, matrix: Array) -> None:
 SIMPSON = np.repeat([1.0 / 36.0, 4.0 / 36.0, 16.0 / 36.0], [4, 4, 1])
 
 
-class SolidAssembly:
+class LumpedAssembly:
+    """A structure of plates or solids, whose dofs are the unknowns of its supports.
+
+    Lumped `mass` and `velocity` (unknowns,); `steel`, and the `rate` at which it may flow.
+    """
+
+    mass: Array
+    velocity: Array
+    steel: SolidSteel
+    rate: CowperSymonds | None
+
+    def mass_times(self, x: Array) -> Array:
+        """Product of the mass matrix with x (unknowns,)."""
+        return np.asarray(self.mass * x)
+
+    def begin_step(self, duration: float) -> None:
+        """Let the steel flow at a rate from now on, in explicit steps of that `duration` (s)."""
+        if self.rate is not None:
+            flow, exponent = self.rate.reference_rate * duration, self.rate.exponent
+            self.steel = self.steel._replace(reference_flow=flow, exponent=exponent)
+
+    def kinetic_energy(self) -> float:
+        """Kinetic energy of the unknowns, in J."""
+        return 0.5 * float(np.sum(self.mass * self.velocity**2))
+
+
+class SolidAssembly(LumpedAssembly):
     """A structure (see `equilibrium.Structure`) whose dofs are the unknowns q of its supports.
 
     Arguments: `mesh`; `supports`; `steel`; `hardening_ratio`, isotropic hardening modulus over
@@ -540,16 +566,6 @@ class SolidAssembly:
         scale = max(*(float(np.max(np.abs(x))) for x in (self.force, self.load)), 1e-6)
         return max(tolerance * min(scale, self.squash_load), self.round_off)
 
-    def mass_times(self, x: Array) -> Array:
-        """Product of the mass matrix with x (unknowns,)."""
-        return np.asarray(self.mass * x)
-
-    def begin_step(self, duration: float) -> None:
-        """Let the steel flow at a rate from now on, in explicit steps of that `duration` (s)."""
-        if self.rate is not None:
-            flow, exponent = self.rate.reference_rate * duration, self.rate.exponent
-            self.steel = self.steel._replace(reference_flow=flow, exponent=exponent)
-
     def account(self, end: Array, _weight: float) -> StepEnergies:
         """Energies of the step to `end`, with the mean of the stresses at both ends."""
         stiffness, unstressed = self.spring
@@ -562,10 +578,6 @@ class SolidAssembly:
         self.dissipated += self._energies.plastic
         self.displacement = end.copy()
         self._old, self._new = self._new, self._old
-
-    def kinetic_energy(self) -> float:
-        """Kinetic energy of the unknowns, in J."""
-        return 0.5 * float(np.sum(self.mass * self.velocity**2))
 
     @property
     def stress(self) -> Array:
