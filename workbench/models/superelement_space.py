@@ -17,23 +17,22 @@ from workbench.models.frame_model import (
     REGULARISATION,
     TIME_STEP,
     Clock,
-    FrameModel,
     as_frame,
 )
 from workbench.models.references.fiber_space import (
+    SpaceModel,
     Turned,
-    findings_in_space,
     stand_in_space,
 )
 from workbench.models.superelements import SHARE, march
-from workbench.responses import Finding, Response
+from workbench.responses import Response
 from workbench.scenarios import ColumnImpact, ColumnScenario, FrameImpact, FrameScenario
 from workbench.steel.hinges import BiaxialSurface
 from workbench.steel.sections.slenderness import torsion_constants
 
 
 @dataclass(frozen=True)
-class SuperelementSpace(FrameModel):
+class SuperelementSpace(SpaceModel):
     """Elastic bars in space between hinges that yield under N and both moments.
 
     Options: `hinge_stiffness`, n of the hinges' n 2EA/L and n 6EI/L (100: nearly rigid-plastic);
@@ -49,8 +48,6 @@ class SuperelementSpace(FrameModel):
     name: ClassVar[str] = "superelement-space"
     version: ClassVar[int] = 2
     geometry = "co-rotational"
-    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
-    spatial: ClassVar[bool] = True
     least_parts: ClassVar[int] = 2
     sources: ClassVar[tuple[str, ...]] = ("heng2017", "battini-pacoste2002")
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -61,17 +58,6 @@ class SuperelementSpace(FrameModel):
         "rate by one factor on the yield stress.",
         "Point contact on the axis with a face that lets the column slide along it.",
     )
-
-    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
-        """Findings of all member models, buckling about the weaker axis, a face with friction."""
-        assert isinstance(scenario, ColumnImpact)
-        return super().domain(
-            scenario.unchecked(column=scenario.column.weaker)
-        ) + findings_in_space(scenario, self.name)
-
-    def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
-        """Answer a scenario that is in the domain; raises as `FrameModel.solve`."""
-        return self.run(as_frame(scenario), self.structure(scenario))
 
     def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
         return march(self, scenario, structure, clock.timed)

@@ -11,11 +11,12 @@ the hinges, k_u = 2 EA/L and k_theta = 6 EI/L; a flexible one (paper III) has it
 ten times as stiff. Projection, inertia and time steps: docs/theory/superelements.md.
 """
 
+from abc import abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from math import ceil, inf
-from typing import Any, ClassVar, NamedTuple, TypeAlias
+from typing import Any, ClassVar, NamedTuple
 
 from workbench.base.errors import OutOfDomainError, SolverError
 from workbench.base.fields import Choice, Number, checked
@@ -90,7 +91,6 @@ COMMON = (
 )
 
 
-Bars: TypeAlias = "RigidSuperelement | FlexibleSuperelement"
 # options of both models, each declared by a model in a line
 EXPONENT = partial(checked, Number(1.0, 20.0), optional=True)
 SHEAR = partial(checked, Choice(("panel", "elastic", "none")), "panel")
@@ -109,7 +109,7 @@ class Webs(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def webs_of(model: Bars, frame: Frame) -> Webs:
+def webs_of(model: "SuperelementModel", frame: Frame) -> Webs:
     """The webs of a frame, kept for many strikers."""
     webs, given = {}, []
     for m in frame.members:
@@ -128,7 +128,7 @@ def webs_of(model: Bars, frame: Frame) -> Webs:
 
 
 def about_webs(
-    model: Bars, scenario: FrameScenario | ColumnScenario, findings: list[Finding]
+    model: "SuperelementModel", scenario: FrameScenario | ColumnScenario, findings: list[Finding]
 ) -> list[Finding]:
     """Findings of a domain, of shear only where members are rigid in it, and those of webs."""
     event = as_frame(scenario)
@@ -141,35 +141,12 @@ def about_webs(
     return findings + webs.findings
 
 
-def ellipse(model: Bars, frame: Frame, member: Member) -> YieldSurface:
+def ellipse(model: "SuperelementModel", frame: Frame, member: Member) -> YieldSurface:
     """Yield surface of a member which is rigid in shear."""
     properties = frame.properties(member)
     alpha, beta = fitted_exponents(frame.strength_section(member), decimals=1)
     exponents = model.alpha or alpha, model.beta or beta
     return _surface(properties.squash_load, properties.plastic_moment, *exponents)
-
-
-def superelements(
-    model: Bars, frame: Frame, cut: Cut, bar: Callable[[Piece, HingeSurfaces], Superelement]
-) -> Superelements:
-    """The superelements of pieces of members, each a `bar` of its piece and surfaces of hinges."""
-    surfaces = {m.name: ellipse(model, frame, m) for m in frame.members}
-    yielding, elements = webs_of(model, frame).yielding, []
-    laws = laws_of(model, frame, yielding)
-    for piece in cut.pieces:
-        name, section = piece.member.name, frame.strength_section(piece.member)
-        first, last = (joint_surface(surfaces[name], j) for j in piece.joints)
-        whole, law = bool(laws) or first == last == surfaces[name], laws.get(name)
-        deforms = model.shear in (("panel", "elastic") if whole else ("elastic",))
-        web = web_of(section, frame.steel) if deforms else None
-        yields = yielding[name] is not None
-        elements.append(replace(bar(piece, (first, last)), web=web, web_yields=yields, law=law))
-    return Superelements(
-        cut.nodes,
-        elements,
-        regularisation=model.regularisation,
-        first_order=model.first_order,
-    )
 
 
 def pace_of(model: Any, scenario: FrameImpact) -> Pace:
@@ -198,39 +175,9 @@ def march(
     return strike(scenario, structure, pace, StruckRecord, run_impact, largest, timed)
 
 
-def numbers_of(model: Bars, scenario: Any) -> dict[str, float] | None:
-    """The scalars alone of the response to an impact, see `models.batch`; None of others.
-
-    None as well where it is refused or fails. Raises `CollapseError`.
-    """
-    struck = scenario.KIND in (FrameImpact.KIND, ColumnImpact.KIND)
-    solved = admitted(model, scenario) if struck else None
-    if solved is None:
-        return None
-    event: Any = as_frame(solved)
-    pace, largest = pace_of(model, event), model.largest_error
-    try:
-        standing = model.standing(solved)
-        return strike(event, standing, pace, StruckNumbers, measure_impact, largest, iter)
-    except (SolverError, OutOfDomainError):
-        return None
-
-
 @dataclass(frozen=True)
-class RigidSuperelement(FrameModel):
-    """Rigid bars between generalized hinges (Heng 2017, paper IV).
-
-    Options: `rotational_stiffness`, c of the hinge stiffness c EI/L (6: exact in sway; a member
-    that ends in a pin gets half of it at the other end; None: 6 of one element, several are exact
-    together); that along the bar is 2 EA/L, exact; `inertia` of the turning bar, nonlinear,
-    linear (of the initial position) or none. Of both superelements: `alpha`, `beta`, exponents of
-    the yield surface of moment and axial force (None: fitted to the exact N-M envelope of the
-    section and stated to one decimal); `shear`, panel: webs yield, elastic: they only deform, none:
-    members are rigid in shear; `accuracy` that steps by error aim at, as a share of the peak;
-    `rate_level` as of `four-dof`; `time_step` None: by the error, of frames that peak after several
-    rebounds up to 0.6 % off the peak, of columns whose light striker is thrown off mostly 1 %, a
-    few 7 %.
-    """
+class SuperelementModel(FrameModel):
+    """Bars between generalized hinges, with the options of both models."""
 
     elements: int | None = ELEMENTS()
     time_step: float | None = TIME_STEP()
@@ -241,19 +188,8 @@ class RigidSuperelement(FrameModel):
     shear: str = SHEAR()
     accuracy: float = SHARE()
     rate_level: str = RATE_LEVEL()
-    rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
-    inertia: str = checked(Choice(INERTIAS), "nonlinear")
 
-    name: ClassVar[str] = "rigid-superelement"
-    version: ClassVar[int] = 20
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
-    least_parts: ClassVar[int] = 2
-    far_parts: ClassVar[int] = 1  # with two rigid bars two of 34 frames were 11 and 18 % low
-    assumptions: ClassVar[tuple[str, ...]] = (
-        "Rigid bars; all flexibility in hinges of 6EI/L: exact in sway, three times too stiff "
-        "under uniform bending.",
-        *COMMON,
-    )
 
     @property
     def shear_yields(self) -> bool:
@@ -273,15 +209,80 @@ class RigidSuperelement(FrameModel):
         return webs_of(self, frame).yielding[member.name] or ellipse(self, frame, member)
 
     def numbers(self, scenario: Any) -> dict[str, float] | None:
-        """The scalars alone of the response to an impact, see `numbers_of`."""
-        return numbers_of(self, scenario)
+        """The scalars alone of the response to an impact, see `models.batch`; None of others.
+
+        None as well where it is refused or fails. Raises `CollapseError`.
+        """
+        struck = scenario.KIND in (FrameImpact.KIND, ColumnImpact.KIND)
+        solved = admitted(self, scenario) if struck else None
+        if solved is None:
+            return None
+        event: Any = as_frame(solved)
+        pace, largest = pace_of(self, event), self.largest_error
+        try:
+            standing = self.standing(solved)
+            return strike(event, standing, pace, StruckNumbers, measure_impact, largest, iter)
+        except (SolverError, OutOfDomainError):
+            return None
 
     def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
         return march(self, scenario, structure, clock.timed)
 
     def group(self, frame: Frame, cut: Cut) -> Superelements:
-        """The superelements."""
-        return superelements(self, frame, cut, self._bar)
+        """The superelements of pieces of members."""
+        surfaces = {m.name: ellipse(self, frame, m) for m in frame.members}
+        yielding, elements = webs_of(self, frame).yielding, []
+        laws = laws_of(self, frame, yielding)
+        for piece in cut.pieces:
+            name, section = piece.member.name, frame.strength_section(piece.member)
+            first, last = (joint_surface(surfaces[name], j) for j in piece.joints)
+            whole, law = bool(laws) or first == last == surfaces[name], laws.get(name)
+            deforms = self.shear in (("panel", "elastic") if whole else ("elastic",))
+            web = web_of(section, frame.steel) if deforms else None
+            yields = yielding[name] is not None
+            elements.append(
+                replace(self._bar(piece, (first, last)), web=web, web_yields=yields, law=law)
+            )
+        return Superelements(
+            cut.nodes,
+            elements,
+            regularisation=self.regularisation,
+            first_order=self.first_order,
+        )
+
+    @abstractmethod
+    def _bar(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
+        """The superelement of a piece of a member."""
+
+
+@dataclass(frozen=True)
+class RigidSuperelement(SuperelementModel):
+    """Rigid bars between generalized hinges (Heng 2017, paper IV).
+
+    Options: `rotational_stiffness`, c of the hinge stiffness c EI/L (6: exact in sway; a member
+    that ends in a pin gets half of it at the other end; None: 6 of one element, several are exact
+    together); that along the bar is 2 EA/L, exact; `inertia` of the turning bar, nonlinear,
+    linear (of the initial position) or none. Of both superelements: `alpha`, `beta`, exponents of
+    the yield surface of moment and axial force (None: fitted to the exact N-M envelope of the
+    section and stated to one decimal); `shear`, panel: webs yield, elastic: they only deform, none:
+    members are rigid in shear; `accuracy` that steps by error aim at, as a share of the peak;
+    `rate_level` as of `four-dof`; `time_step` None: by the error, of frames that peak after several
+    rebounds up to 0.6 % off the peak, of columns whose light striker is thrown off mostly 1 %, a
+    few 7 %.
+    """
+
+    rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
+    inertia: str = checked(Choice(INERTIAS), "nonlinear")
+
+    name: ClassVar[str] = "rigid-superelement"
+    version: ClassVar[int] = 20
+    least_parts: ClassVar[int] = 2
+    far_parts: ClassVar[int] = 1  # with two rigid bars two of 34 frames were 11 and 18 % low
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Rigid bars; all flexibility in hinges of 6EI/L: exact in sway, three times too stiff "
+        "under uniform bending.",
+        *COMMON,
+    )
 
     def _bar(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
         if piece.parts == 1 or self.rotational_stiffness is not None:
@@ -302,60 +303,22 @@ class RigidSuperelement(FrameModel):
 
 
 @dataclass(frozen=True)
-class FlexibleSuperelement(FrameModel):
+class FlexibleSuperelement(SuperelementModel):
     """Elastic beams between generalized hinges (Heng 2017, paper III).
 
     Options: `hinge_stiffness`, n of the hinges' n 2EA/L and n 6EI/L (100: nearly rigid-plastic);
     the others as of `rigid-superelement`.
     """
 
-    elements: int | None = ELEMENTS()
-    time_step: float | None = TIME_STEP()
-    regularisation: float = REGULARISATION()
-    geometry: str = GEOMETRY()
-    alpha: float | None = EXPONENT()
-    beta: float | None = EXPONENT()
-    shear: str = SHEAR()
-    accuracy: float = SHARE()
-    rate_level: str = RATE_LEVEL()
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)
 
     name: ClassVar[str] = "flexible-superelement"
     version: ClassVar[int] = 19
-    sources: ClassVar[tuple[str, ...]] = ("heng2017",)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic Bernoulli beams without rotary inertia, straight against their chord: one element "
         "per member leaves out P-delta inside the member.",
         *COMMON,
     )
-
-    @property
-    def shear_yields(self) -> bool:
-        """Whether webs slide where they carry less than their mechanism needs."""
-        return self.shear == "panel"
-
-    def check(self) -> None:
-        """Refuse options that viscoplastic bars do not know."""
-        check_bars(self)
-
-    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
-        """Findings of all member models, of shear only where members are rigid in it."""
-        return about_webs(self, scenario, super().domain(scenario))
-
-    def member_surface(self, frame: Frame, member: Member) -> YieldSurface | ShearSurface:
-        """The yield surface of the hinges of a member, joints of its full strength."""
-        return webs_of(self, frame).yielding[member.name] or ellipse(self, frame, member)
-
-    def numbers(self, scenario: Any) -> dict[str, float] | None:
-        """The scalars alone of the response to an impact, see `numbers_of`."""
-        return numbers_of(self, scenario)
-
-    def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
-        return march(self, scenario, structure, clock.timed)
-
-    def group(self, frame: Frame, cut: Cut) -> Superelements:
-        """The superelements."""
-        return superelements(self, frame, cut, self._bar)
 
     def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
         """Run as in `FrameModel`; members left elastic by a pulse gain flexibility of hinges."""

@@ -18,7 +18,6 @@ from workbench.mechanics.structures.impact import PointMass, TimeStep
 from workbench.mechanics.structures.march import (
     CollapseLimits,
     Records,
-    StruckBars,
     follow_impact,
 )
 from workbench.mechanics.structures.paths import PathStep
@@ -33,9 +32,8 @@ _COLUMNS = {"impulse": "percussion", "striker.velocity": "striker_velocity"}
 
 def show(structure: FrameStructure, records: Records, rows: Any) -> None:
     """Make a structure show the states of these `rows` of the records, for its readers."""
-    (group,) = structure.assembly.groups
-    states = records.states
-    cast(StruckBars, group).show(type(states)(*(each[rows] for each in states)))
+    (group,), states = structure.assembly.groups, records.states
+    group.show(type(states)(*(each[rows] for each in states)))
     structure.assembly.show(records.x[rows], records.v[rows], records.table["stored"][rows])
 
 

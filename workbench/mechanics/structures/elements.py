@@ -129,6 +129,15 @@ class ElementGroup(ABC):
         """Make the state assembled last the committed one."""
         self._old, self._new = self._new, self._old
 
+    @property
+    def states(self) -> tuple[Any, Any]:
+        """The committed state and the one assembled last."""
+        return self._old, self._new
+
+    def show(self, state: Any) -> None:
+        """Take a state that was reached elsewhere, or several (..., e, n), to be looked at."""
+        self._old = state
+
     def masses(self) -> tuple[Array, Array]:
         """Mass (kg) and rotary inertia (kg m2) of every element, (elements,) each."""
         mass = self._mass_per_length * self.lengths

@@ -5,7 +5,6 @@ energy-exact forces f; a closed contact eliminates the impulse P. Axial vibratio
 not resolved: the scheme keeps their energy at any step.
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -388,26 +387,6 @@ def march_of_bars(bars: BarFunctions, axes: int, each: int) -> Any:
     return march_of(functions, LONGER, CUT)
 
 
-class StruckBars(ABC):
-    """Bars that impacts are followed on: the compiled `impact`, as `march_of_bars` makes it."""
-
-    impact: Any
-    bars: Any
-
-    @property
-    @abstractmethod
-    def states(self) -> tuple[Any, Any]:
-        """The committed state and the one assembled last."""
-
-    @abstractmethod
-    def own_tables(self) -> Any:
-        """Tables for the kernels, with scratch of their own."""
-
-    @abstractmethod
-    def show(self, state: Any) -> None:
-        """Take a state that was reached elsewhere, or several (..., e, n), to be looked at."""
-
-
 class Records(NamedTuple):
     """Several records of an impact: their `table` of RECORD, and committed states.
 
@@ -445,12 +424,11 @@ def follow_impact(
 
     Arguments as there, but the `pace` of the steps, `limits` beyond which the structure has
     collapsed, and the time `vibration_start` (s) before which no step is as long as in a vibration.
-    The only group of the `assembly` are bars with an `impact` of their own; both stay as they are,
+    The only group of the `assembly` are bars with `impact` and `own_tables`; both stay as they are,
     so that several threads may follow impacts on them. Yields several records at a time, the first
     one of the start. Raises `SolverError`.
     """
-    (group,) = assembly.groups
-    assert isinstance(group, StruckBars)
+    group: Any = assembly.groups[0]
     springs, (old, new) = assembly.springs, group.states
     state = type(old)
     body = Body(

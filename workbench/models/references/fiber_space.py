@@ -23,7 +23,7 @@ from workbench.mechanics.structures.space import (
     SpaceSection,
     space_fibers,
 )
-from workbench.models.frame_model import as_column, as_frame
+from workbench.models.frame_model import FrameModel, as_column, as_frame
 from workbench.models.references.fiber import (
     CLASSICAL_RULE,
     FiberMembers,
@@ -107,14 +107,27 @@ def stand_in_space(
     return replace(structure, watched={**structure.watched, **beside})
 
 
-def findings_in_space(scenario: ColumnImpact, name: str) -> list[Finding]:
-    """Refusal of a face with friction, by the `name` of a model."""
-    friction = scenario.striker.friction
-    return [finding("face-friction", friction, name=name)] if friction > 0.0 else []
+class SpaceModel(FrameModel):
+    """A model of columns in space, which a face with friction does not suit."""
+
+    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
+    spatial: ClassVar[bool] = True
+
+    def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
+        """Findings of all such models, buckling about the weaker axis, a face with friction."""
+        assert isinstance(scenario, ColumnImpact)
+        findings = super().domain(scenario.unchecked(column=scenario.column.weaker))
+        friction = scenario.striker.friction
+        rubs = [finding("face-friction", friction, name=self.name)] if friction > 0.0 else []
+        return findings + rubs
+
+    def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
+        """Answer a scenario that is in the domain; raises as `FrameModel.solve`."""
+        return self.run(as_frame(scenario), self.structure(scenario))
 
 
 @dataclass(frozen=True)
-class FiberSpace(FiberReference):
+class FiberSpace(SpaceModel, FiberReference):
     """Co-rotational fiber beam in space, of columns that are hit from any side.
 
     By rule the smallest element is 1/32 of the shorter member that is hit, but not below 0.1 of the
@@ -129,8 +142,6 @@ class FiberSpace(FiberReference):
 
     name: ClassVar[str] = "fiber-space"
     version: ClassVar[int] = 1
-    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
-    spatial: ClassVar[bool] = True
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections; cubic deflections between nodes; large displacements and rotations.",
         "Elastic-perfectly plastic fibers, plasticity from normal stress alone.",
@@ -148,17 +159,6 @@ class FiberSpace(FiberReference):
     def mesh_rule(self, scenario: FrameScenario) -> MeshRule:
         """Sizes of elements where no option gives them."""
         return CLASSICAL_RULE
-
-    def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
-        """Findings of all fibers, buckling about the weaker axis, and a face with friction."""
-        assert isinstance(scenario, ColumnImpact)
-        return super().domain(
-            scenario.unchecked(column=scenario.column.weaker)
-        ) + findings_in_space(scenario, self.name)
-
-    def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
-        """Answer a scenario that is in the domain; raises as `FrameModel.solve`."""
-        return self.run(as_frame(scenario), self.structure(scenario))
 
     def structure(self, scenario: ColumnScenario | FrameScenario) -> FrameStructure:
         """The column under its dead loads. Raises `SolverError`."""

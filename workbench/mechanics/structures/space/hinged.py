@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.base.arrays import Array, Indices
-from workbench.mechanics.structures.march import StruckBars
 from workbench.mechanics.structures.space import hinge_kernels
 from workbench.mechanics.structures.space.beams import SpaceElements
 from workbench.steel.hinges import BiaxialSurface
@@ -74,7 +73,7 @@ class HingedState(NamedTuple):
     plastic: Array
 
 
-class SpaceSuperelements(StruckBars, SpaceElements):
+class SpaceSuperelements(SpaceElements):
     """Superelements in space.
 
     Arguments: `nodes` (elements, 2); which of the `bars` each has, `of` (elements,); `lengths` in
@@ -122,17 +121,8 @@ class SpaceSuperelements(StruckBars, SpaceElements):
         turns = plastic[..., [4, 3]] - plastic[..., [2, 1]]
         return np.asarray(np.sum(turns * self.rest[:, 2, 1:], axis=-1))
 
-    @property
-    def states(self) -> tuple[HingedState, HingedState]:
-        """The committed state and the one assembled last."""
-        return self._old, self._new
-
     def own_tables(self) -> SpaceBars:
         """Tables for the kernels, with scratch of their own."""
         (tables,) = self.tables
         own: SpaceBars = tables._replace(rooms=tables.rooms.copy())
         return own
-
-    def show(self, state: HingedState) -> None:
-        """Take a state that was reached elsewhere, or several (..., e, n), to be looked at."""
-        self._old = state

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 
 from workbench.base.arrays import Array, Flags
 from workbench.mechanics.structures.elements import Bars, HingedElements
-from workbench.mechanics.structures.march import StruckBars
 from workbench.mechanics.structures.superelements import kernels
 from workbench.steel.hinges import ShearSurface, YieldSurface
 from workbench.steel.hinges.kernels import LAW, MOST, gauge
@@ -166,7 +165,7 @@ def scratch(elements: int, flows: int = 5) -> tuple[Array, ...]:
     return tuple(np.empty(shape) for shape in shapes)
 
 
-class Superelements(StruckBars, HingedElements):
+class Superelements(HingedElements):
     """Two-node superelements.
 
     Arguments: `nodes` (elements, 2), node numbers; `kinds` (elements,), what each element consists
@@ -233,18 +232,9 @@ class Superelements(StruckBars, HingedElements):
         inertia = [k.rotary_inertia if k.rotation_inertia == kind else 0.0 for k in self._kinds]
         return np.array(inertia) * self.lengths
 
-    @property
-    def states(self) -> tuple[SuperelementState, SuperelementState]:
-        """The committed state and the one assembled last."""
-        return self._old, self._new
-
     def own_tables(self) -> HingeTables:
         """Tables for the kernels, with scratch of their own."""
         return self._tables._replace(scratch=scratch(len(self.lengths), self._columns))
-
-    def show(self, state: SuperelementState) -> None:
-        """Take a state that was reached elsewhere, or several (..., e, 3), to be looked at."""
-        self._old = state
 
     def mass_matrices(self) -> Array:
         """Constant rotary inertia (elements, 6, 6) of the initial chords, where it is linear."""
