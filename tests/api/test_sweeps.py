@@ -201,3 +201,11 @@ def test_texts_of_tables_are_no_formulas(tmp_path):
     book = openpyxl.load_workbook(io.BytesIO(workbook_bytes({"table": table})))
     cells = [cell for row in book["table"].iter_rows() for cell in row]
     assert {cell.data_type for cell in cells} == {"s", "n"}
+
+
+def test_angles_are_read_in_degrees_also_at_the_default(impact):
+    """Files leave an angle of zero out."""
+    swept = wb.sweep(impact, {"striker.angle": ["0 deg", "30 deg"]}, ["seven-dof"])
+    assert swept["striker.angle"].to_numpy() == pytest.approx([0.0, np.pi / 6.0])
+    straight, oblique = swept["peak_displacement"].to_numpy()[0]
+    assert oblique > 1.3 * straight

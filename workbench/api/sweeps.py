@@ -6,6 +6,7 @@ import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from itertools import permutations
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -173,10 +174,14 @@ def _coordinate(tables: dict[str, Any], key: str, values: list[Any]) -> list[Any
     path, read = place_of(tables, key, f"{key}={values[0]}"), {}
     varied = Varied(tables, {path: texts})
     for row, text in enumerate(texts):
-        with suppress(InputError, KeyError):
-            part: Any = tomllib.loads(to_toml(varied[row]))
-            for name in path:
-                part = part[name]
+        with suppress(InputError, AttributeError):
+            scenario = varied[row]
+            part: Any = tomllib.loads(to_toml(scenario))
+            try:
+                for name in path:
+                    part = part[name]
+            except KeyError:  # files leave it out at its default
+                part = attrgetter(key)(scenario)
             read[text] = part
     return [read.get(value, value) if isinstance(value, str) else value for value in values]
 

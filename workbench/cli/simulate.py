@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from itertools import islice
-from math import isfinite
+from math import isfinite, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -391,6 +391,9 @@ def sweep(
     content: dict[str, Any] = {"scenario": given.name, "over": keys, "answers": rows}
     content["notes"] = list(notes)
     answered = int(outcomes.get("ok", 0)) + int(outcomes.get("collapse", 0)) == len(rows)
+    for key in keys:
+        if answers[key].attrs["units"] == "rad":
+            table[key] = [_text(value, "rad") for value in table[key]]
     shown = [*map(paragraph, notes), *_answers(given.name, keys, table)]
     return Answer(content, shown, int(not answered), {"table": target, "picture": picture})
 
@@ -573,8 +576,9 @@ def _limits(
 
 
 def _text(value: float, unit: str) -> str:
-    """A value with its SI unit; a velocity in km/h too."""
-    beside = f" ({3.6 * value:.4g} km/h)" if unit == "m/s" else ""
+    """A value with its SI unit; a velocity in km/h too, an angle in degrees."""
+    factor, other = {"m/s": (3.6, "km/h"), "rad": (180.0 / pi, "deg")}.get(unit, (1.0, ""))
+    beside = f" ({factor * value:.4g} {other})" if other else ""
     return f"{value:.6g}{unit and f' {unit}'}{beside}"
 
 

@@ -352,6 +352,8 @@ def test_structures_have_models_of_their_own():
     short = column.changed(column=column.column.changed(length_below=0.4, length_above=0.8))
     assert pair_of(column, None, None) == ("four-dof", "fiber-reissner")
     assert pair_of(short, None, None) == ("four-dof-shear", "fiber-shear")
+    oblique = column.changed(striker=column.striker.changed(angle=0.5))
+    assert pair_of(oblique, None, None) == ("seven-dof", "fiber-space")
     assert pair_of(column, "single-dof", None) == ("single-dof", "fiber-reissner")
     struck = frame_scenario(column)
     assert pair_of(struck, None, None) == ("flexible-superelement", "fiber-reissner")

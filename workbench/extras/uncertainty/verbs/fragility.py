@@ -41,10 +41,14 @@ def fragility(
     over: str = option("Range of impact velocities, in m/s.", ..., "striker.velocity=LOW:HIGH"),
     limit: str = option("What must not be exceeded.", ..., "displacement=METRES|collapse"),
     model: str | None = option(
-        "Reduced model of the samples.  [default: four-dof, with panels where webs yield]", None
+        "Reduced model of the samples.  [default: four-dof, with panels where webs yield, "
+        "seven-dof of oblique hits]",
+        None,
     ),
     reference: str | None = option(
-        "Reference that corrects it.  [default: fiber-reissner, fiber-shear where webs yield]", None
+        "Reference that corrects it.  [default: fiber-reissner, fiber-shear where webs yield, "
+        "fiber-space of oblique hits]",
+        None,
     ),
     samples: int = option("Samples of the inputs: 16 times a power of 2, at least 2048.", 8192),
     references: int | None = option(
@@ -232,11 +236,13 @@ def struck(scenario: Any) -> Any:
 
 
 def pair_of(scenario: Any, model: str | None, reference: str | None) -> tuple[str, str]:
-    """Reduced model and reference: of bending, or of webs that yield in shear."""
+    """Reduced model and reference: of bending, of webs that yield in shear, of oblique hits."""
     from workbench.models.base import make_model
 
     usual = ("flexible-superelement", "fiber-reissner")
-    if scenario.KIND == "column-impact":
+    if scenario.KIND == "column-impact" and scenario.striker.angle:
+        usual = ("seven-dof", "fiber-space")
+    elif scenario.KIND == "column-impact":
         findings = make_model("four-dof").domain(scenario)
         yields = any(finding.subject == "shear" for finding in findings)
         usual = ("four-dof-shear", "fiber-shear") if yields else ("four-dof", "fiber-reissner")
