@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from workbench.base.arrays import Array, Indices
+from workbench.base.compiled import njit
 from workbench.mechanics.impact.contact import contact_step_of, inner
 from workbench.mechanics.impact.integrator import (
     COLLAPSE,
@@ -188,7 +189,7 @@ def bend(s):
     return dot(s.work.step, s.work.pull)
 
 
-@inner
+@njit(cache=True, error_model="numpy", forceinline=True)
 def dot(a, b):
     """Scalar product."""
     total = 0.0
