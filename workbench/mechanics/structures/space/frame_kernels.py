@@ -482,14 +482,14 @@ def add_moved_element(step, bars, e, axes, old, moved, end, middle, Q, C):
                 for j in range(12):
                     missing[j] += g * CB[i, j] + q * (end.B[i, j] - at.B[i, j])
             for i in range(12):
-                way_of = moved[i]
+                motion = moved[i]
                 for j in range(12):
-                    missing[j] -= way_of * K[i, j]
+                    missing[j] -= motion * K[i, j]
             add_straining(alpha, chord, L, K)
             for i in range(12):
-                share_of = rest[i] / size
+                ratio = rest[i] / size
                 for j in range(12):
-                    K[i, j] += share_of * missing[j]
+                    K[i, j] += ratio * missing[j]
         for c in range(7):
             for i in range(12):
                 gradient = at.B[c, i]
