@@ -128,6 +128,10 @@ def findings_before(model: Model, scenario: Any, left_out: Sequence[Finding]) ->
 
     With what it has `left_out` of the steel, see `with_strain_rate`.
     """
+    frame, part = getattr(scenario, "frame", None), getattr(scenario, "striker", scenario)
+    beside = frame is not None and (frame.spatial or getattr(part, "angle", 0.0))
+    if beside and not getattr(model, "spatial", False):
+        return [finding("space-frame", name=model.name)]
     findings = [*model.domain(scenario), *implausible(scenario), *unused_inputs(model, scenario)]
     findings += left_out
     striker = getattr(scenario, "striker", None)

@@ -1,4 +1,4 @@
-"""Superelements in space: a column of elastic bars between hinges, hit from any side.
+"""Superelements in space: columns and frames of elastic bars between hinges, hit from any side.
 
 The sibling in space of `flexible-superelement`: co-rotational bars with the exact N-My-Mz domain of
 the section at both ends, steps that hold energy exactly.
@@ -9,6 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from workbench.base.arrays import Array
 from workbench.base.fields import Number, checked
 from workbench.mechanics.frames.structure import FrameStructure
 from workbench.mechanics.structures.space import SpaceBar, SpaceSuperelements
@@ -19,15 +20,10 @@ from workbench.models.frame_model import (
     Clock,
     as_frame,
 )
-from workbench.models.references.fiber_space import (
-    SpaceModel,
-    Turned,
-    stand_in_space,
-)
+from workbench.models.references.fiber_space import Placed, SpaceModel, surface_in_space
 from workbench.models.superelements import SHARE, march
 from workbench.responses import Response
-from workbench.scenarios import ColumnImpact, ColumnScenario, FrameImpact, FrameScenario
-from workbench.steel.hinges import BiaxialSurface
+from workbench.scenarios import ColumnScenario, FrameImpact, FrameScenario
 from workbench.steel.sections.slenderness import torsion_constants
 
 
@@ -46,7 +42,8 @@ class SuperelementSpace(SpaceModel):
     accuracy: float = SHARE()
 
     name: ClassVar[str] = "superelement-space"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
+    pins: ClassVar[bool] = True
     geometry = "co-rotational"
     least_parts: ClassVar[int] = 2
     sources: ClassVar[tuple[str, ...]] = ("heng2017", "battini-pacoste2002")
@@ -62,29 +59,34 @@ class SuperelementSpace(SpaceModel):
     def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
         return march(self, scenario, structure, clock.timed)
 
-    def structure(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
-        """The column under its dead loads. Raises `SolverError`."""
-        assert isinstance(scenario, ColumnImpact)
+    def lengths(self, scenario: FrameScenario | ColumnScenario) -> list[Array]:
+        """Lengths of equal bars (m) of every member."""
         event = as_frame(scenario)
         pairs = zip(event.frame.lengths.tolist(), self.parts(event), strict=True)
-        lengths = [np.full(count, length / count) for length, count in pairs]
-        return stand_in_space(scenario, lengths, self._bars, 0.0)
+        return [np.full(count, length / count) for length, count in pairs]
 
-    def _bars(self, column: Turned) -> SpaceSuperelements:
-        frame, mesh = column.frame, column.mesh
-        steel, member = frame.steel, frame.members[0]
-        section, whole = frame.strength_section(member), frame.properties(member)
-        weak, modulus = section.about("weak"), steel.elastic_modulus
-        bar = SpaceBar(
-            surface=BiaxialSurface(section),
-            strength=(whole.squash_load, whole.plastic_moment, weak.plastic_moment(steel)),
-            axial=modulus * whole.area,
-            bending=(modulus * whole.second_moment, modulus * weak.second_moment),
-            torsion=steel.shear_modulus * torsion_constants(section)[0],
-            hinge_stiffness=self.hinge_stiffness,
-            mass=whole.mass_per_length,
-            rotary=whole.mass_per_length * whole.second_moment / whole.area,
-        )
-        of = np.zeros_like(mesh.member)
-        given = mesh.nodes, of, [bar], mesh.lengths, column.height, column.axes
-        return SpaceSuperelements(*given, self.regularisation)
+    def bars(self, placed: Placed) -> SpaceSuperelements:
+        """The superelements of a frame in space."""
+        frame, mesh = placed.frame, placed.mesh
+        steel, modulus, bars = frame.steel, frame.steel.elastic_modulus, []
+        pinned = np.zeros((len(mesh.nodes), 2), dtype=bool)
+        for number, member in enumerate(frame.members):
+            section = frame.strength_section(member).about("strong")
+            strong, weak = frame.about_both(member)
+            bars.append(
+                SpaceBar(
+                    surface=surface_in_space(section),
+                    strength=(strong.squash_load, strong.plastic_moment, weak.plastic_moment),
+                    axial=modulus * strong.area,
+                    bending=(modulus * strong.second_moment, modulus * weak.second_moment),
+                    torsion=steel.shear_modulus * torsion_constants(section)[0],
+                    hinge_stiffness=self.hinge_stiffness,
+                    mass=strong.mass_per_length,
+                    rotary=strong.mass_per_length * strong.second_moment / strong.area,
+                )
+            )
+            ends = mesh.first[number], mesh.first[number + 1] - 1
+            for side, joint in enumerate(frame.joints_of(member)):
+                pinned[ends[side], side] = joint.rotational_stiffness == 0.0
+        given = mesh.nodes, mesh.member, bars, mesh.lengths, placed.heights, placed.axes
+        return SpaceSuperelements(*given, self.regularisation, pinned.tolist())

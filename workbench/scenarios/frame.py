@@ -10,8 +10,8 @@ from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import chain, count, islice, pairwise, product
-from math import hypot
-from string import ascii_uppercase
+from math import hypot, pi
+from string import ascii_lowercase, ascii_uppercase
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -41,6 +41,7 @@ from workbench.steel.sections import AXES, SECTION, Section
 
 ROUNDING = 1.0 - 1e-9  # a length that is computed from coordinates
 APART = 1e-6  # m; nodes closer than this are in one place
+UPRIGHT = 1e-3  # run over rise of a member that counts as upright
 FREE = 1e-6  # singular value of the support conditions below which a motion is free
 
 T = TypeVar("T")
@@ -62,7 +63,7 @@ def _first_of(frame: Frame) -> Frame:
 
 @dataclass(frozen=True)
 class Frame(MadeOfSteel, table="frame"):
-    """A planar steel frame.
+    """A steel frame, in the plane z = 0 or in space.
 
     Examples
     --------
@@ -113,7 +114,7 @@ class Frame(MadeOfSteel, table="frame"):
             self._check_member(member)
         for load in self.loads:
             self.node(load.node, f"load.{load.node}.node")
-        places = [(round(node.x / APART), round(node.y / APART)) for node in self.nodes]
+        places = [tuple(map(round, place)) for place in (self.points / APART).tolist()]
         advice = "join the members at one node; joints make pins"
         _check_unique(self.nodes, places, "lies where node {} lies", advice)
         pairs = [frozenset((member.start, member.end)) for member in self.members]
@@ -177,9 +178,37 @@ class Frame(MadeOfSteel, table="frame"):
         return {node.name: i for i, node in enumerate(self.nodes)}
 
     @of_geometry
+    def spatial(self) -> bool:
+        """Whether it lies in no plane z = 0, or has members that are turned out of it."""
+        return any(node.z for node in self.nodes) or any(member.roll for member in self.members)
+
+    @of_geometry
     def points(self) -> Array:
-        """Coordinates of the nodes (nodes, 2), in m."""
-        return np.array([(node.x, node.y) for node in self.nodes], dtype=float)
+        """Coordinates of the nodes (nodes, 2), or (nodes, 3) of a frame in space, in m."""
+        places = np.array([(node.x, node.y, node.z) for node in self.nodes], dtype=float)
+        return places if self.spatial else places[:, :2]
+
+    @of_geometry
+    def directions(self) -> Array:
+        """Axes of each member before its section is rolled (members, 3, 3), unit vectors as rows.
+
+        From start to end, upright (of an upright member along x), and across both.
+        """
+        along = np.zeros((len(self.members), 3))
+        along[:, : self.chords.shape[1]] = self.chords / self.lengths[:, None]
+        stands = np.hypot(along[:, 0], along[:, 2]) < UPRIGHT * np.abs(along[:, 1])
+        side = np.where(stands[:, None], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+        side -= np.sum(side * along, axis=1)[:, None] * along
+        side /= np.linalg.norm(side, axis=1)[:, None]
+        return np.stack([along, side, np.cross(along, side)], axis=1)
+
+    @of_geometry
+    def heights(self) -> Array:
+        """Unit vectors along the height of the section of each member (members, 3)."""
+        weak = [0.5 * pi if member.axis == "weak" else 0.0 for member in self.members]
+        roll = (np.array([member.roll for member in self.members]) + weak)[:, None]
+        _, side, across = np.moveaxis(self.directions, 1, 0)
+        return np.asarray(np.cos(roll) * side + np.sin(roll) * across)
 
     @of_geometry
     def ends(self) -> Indices:
@@ -188,7 +217,7 @@ class Frame(MadeOfSteel, table="frame"):
 
     @of_geometry
     def chords(self) -> Array:
-        """Vectors from the start of each member to its end (members, 2), in m."""
+        """Vectors from the start of each member to its end, as `points`, in m."""
         start, end = self.points[self.ends.T]
         return np.asarray(end - start)
 
@@ -244,12 +273,23 @@ class Frame(MadeOfSteel, table="frame"):
     def length(self, member: Member | str) -> float:
         """Length of a member, in m."""
         ends = self._member(member)
-        start, end = self.node(ends.start), self.node(ends.end)
-        return hypot(end.x - start.x, end.y - start.y)
+        return _distance(self.node(ends.start), self.node(ends.end))
 
     def properties(self, member: Member | str) -> MemberProperties:
         """Section values of a member with its overrides applied."""
         return self._properties[self._member(member).name]
+
+    def about_both(self, member: Member | str) -> tuple[MemberProperties, MemberProperties]:
+        """Section values about the strong and the weak axis, `properties` about the member's."""
+        whole = self._member(member)
+        turned = whole.section.about("strong" if whole.axis == "weak" else "weak")
+        other = whole.unchecked(section=turned, second_moment=None, plastic_moment=None)
+        length = self.length(whole)
+        pair = (
+            self.properties(whole),
+            member_properties(other, self.steel, length, self.fillets),
+        )
+        return pair if whole.axis == "strong" else pair[::-1]
 
     def each(self, name: str) -> Array:
         """Section value of that name of every member (members,), overrides applied."""
@@ -278,7 +318,7 @@ class Frame(MadeOfSteel, table="frame"):
         for name, at, node in splits:
             whole = _find("member", members, name, "split.member")
             start, end = nodes[whole.start], nodes[whole.end]
-            length = hypot(end.x - start.x, end.y - start.y)
+            length = _distance(start, end)
             distance = float(LENGTH.check("split.at", at))
             if not distance <= length - LENGTH.low:
                 reach = f"from {LENGTH.low:g} to {length - LENGTH.low:.6g} m from its start"
@@ -288,8 +328,10 @@ class Frame(MadeOfSteel, table="frame"):
                 text = "is the name of a node already"
                 raise InputError("split.node", node, text, "choose another")
             share = distance / length
-            x, y = start.x + share * (end.x - start.x), start.y + share * (end.y - start.y)
-            nodes[node] = Node(node, x, y)
+            x, y, z = (
+                getattr(start, c) + share * (getattr(end, c) - getattr(start, c)) for c in "xyz"
+            )
+            nodes[node] = Node(node, x, y, z=z)
             parts = (
                 replace(whole, name=f"{name}/1", end=node, joint_end=RIGID.name),
                 replace(whole, name=f"{name}/2", start=node, joint_start=RIGID.name),
@@ -297,6 +339,11 @@ class Frame(MadeOfSteel, table="frame"):
             rows = [parts if each is whole else (each,) for each in members.values()]
             members = {part.name: part for row in rows for part in row}
         return replace(self, nodes=tuple(nodes.values()), members=tuple(members.values()))
+
+
+def _distance(start: Node, end: Node) -> float:
+    """Distance of two nodes, in m."""
+    return hypot(end.x - start.x, end.y - start.y, end.z - start.z)
 
 
 def _find(kind: str, parts: Mapping[str, Any], name: str, path: str) -> Any:
@@ -341,18 +388,32 @@ def _check_supported(frame: Frame) -> None:
     """
     centre, size = frame.points.mean(axis=0), frame.extent
     rows, loaded = [], frame.loads or any(frame.gravity) or frame.line_loads.any()
-    for node, (x, y) in zip(frame.nodes, (frame.points - centre) / size, strict=True):
-        # what a motion of the whole does to each displacement of the node
-        motion = {"u": (1.0, 0.0, -y), "v": (0.0, 1.0, x), "rotation": (0.0, 0.0, 1.0)}
+    places = np.zeros((len(frame.nodes), 3))
+    places[:, : len(centre)] = (frame.points - centre) / size
+    for node, (x, y, z) in zip(frame.nodes, places, strict=True):
         held = set(node.held) if loaded else node.resisted
-        held -= set() if node.name in frame.turned else {"rotation"}
+        turns = {"rotation", "turn_x", "turn_y"}
+        held |= set(node.held_beside) if frame.spatial else set()
+        held -= set() if node.name in frame.turned else turns
+        # what a motion of the whole does to each displacement of the node
+        motion = {
+            "u": (1.0, 0.0, 0.0, 0.0, z, -y),
+            "v": (0.0, 1.0, 0.0, -z, 0.0, x),
+            "w": (0.0, 0.0, 1.0, y, -x, 0.0),
+            "turn_x": (0.0, 0.0, 0.0, 1.0, 0.0, 0.0),
+            "turn_y": (0.0, 0.0, 0.0, 0.0, 1.0, 0.0),
+            "rotation": (0.0, 0.0, 0.0, 0.0, 0.0, 1.0),
+        }
         rows += [row for component, row in motion.items() if component in held]
-    # motion of the whole: displacement of the centre along x and y, rotation times extent
-    _, values, motions = np.linalg.svd(np.array([*rows, *np.zeros((3, 3))]))
+    # motion of the whole: displacement of the centre along x, y, z, rotations times extent
+    kept = slice(None) if frame.spatial else [0, 1, 5]
+    _, values, motions = np.linalg.svd(np.array([*rows, *np.zeros((6, 6))])[:, kept])
     free = motions[values < FREE]
     if len(free):
-        can = _motion_text(free[0] / np.array([1.0, 1.0, size]), centre, size)
-        how = "nothing holds it" if len(free) == 3 else f"it can {can}"
+        can = "move as a whole"
+        if not frame.spatial:
+            can = _motion_text(free[0] / np.array([1.0, 1.0, size]), centre, size)
+        how = "nothing holds it" if len(free) == len(values) else f"it can {can}"
         when = " under its dead loads, before springs and locks act" if loaded else ""
         text = f"the frame is not supported{when}: {how}"
         raise InputError("node.support", None, text, "add supports")
@@ -382,19 +443,27 @@ class RegularForm(Declared, table="frame"):
     base: str = checked(Choice(("clamped", "pinned")), "clamped")
     beam_joint: str = checked(NAME, RIGID.name)
     column_axis: str = checked(Choice(AXES), "strong", help="about which columns bend")
+    depths: tuple[float, ...] = checked(
+        Many(LENGTH, 0, 25), (), omitted=True, help="bays along z, of a frame in space"
+    )
 
     def frame(self, steel: Steel, fillets: bool, joints: Sequence[Joint]) -> Frame:
         """Return the frame, its beams joined by one of `joints`. Raises `InputError`."""
         words = (product(ascii_uppercase, repeat=length) for length in count(1))
         letters = ("".join(word) for word in chain.from_iterable(words))
         axes = list(islice(letters, len(self.bays) + 1))  # A to Z, then AA, AB and so on
+        rows = list(ascii_lowercase[: len(self.depths) + 1]) if self.depths else [""]
         levels = range(len(self.storeys) + 1)
         nodes = []
-        for level, i in product(levels, range(len(axes))):
-            x, y = sum(self.bays[:i]), sum(self.storeys[:level])
-            nodes.append(Node(f"{axes[i]}{level}", x, y, "free" if level else self.base))
-        columns = [(f"{axis}{i}", f"{axis}{i + 1}") for axis in axes for i in levels[:-1]]
-        beams = [(f"{a}{i}", f"{b}{i}") for i in levels[1:] for a, b in pairwise(axes)]
+        for level, j, i in product(levels, range(len(rows)), range(len(axes))):
+            x, y, z = sum(self.bays[:i]), sum(self.storeys[:level]), sum(self.depths[:j])
+            support = "free" if level else self.base
+            nodes.append(Node(f"{axes[i]}{rows[j]}{level}", x, y, support, z=z))
+        lines = [f"{axis}{row}" for axis, row in product(axes, rows)]
+        columns = [(f"{line}{i}", f"{line}{i + 1}") for line in lines for i in levels[:-1]]
+        floor = [(f"{a}{row}", f"{b}{row}") for row in rows for a, b in pairwise(axes)]
+        floor += [(f"{axis}{a}", f"{axis}{b}") for axis in axes for a, b in pairwise(rows)]
+        beams = [(f"{a}{i}", f"{b}{i}") for i in levels[1:] for a, b in floor]
         joint = self.beam_joint
         axis = self.column_axis
         members = [Member(f"{a}-{b}", a, b, self.column, axis=axis) for a, b in columns]
@@ -461,13 +530,14 @@ def regular_frame(
     steel: Steel | None = None,
     fillets: bool = True,
     beam_joint: str | Joint = RIGID.name,
-    joints: Sequence[Joint] = (),
     column_axis: str = "strong",
+    depths: Sequence[float] = (),
 ) -> Frame:
     """Return a frame of columns on axes A, B, ... and of beams on every level above the ground.
 
     Nodes are named A0, B0, ..., A1, ... (axis and level), columns A0-A1 (from the bottom to the
-    top), beams A1-B1 (from the left to the right).
+    top), beams A1-B1 (from the left to the right). With `depths` in rows a, b, ...: Aa0, columns
+    Aa0-Aa1, beams Aa1-Ba1 along x and Aa1-Ab1 along z.
 
     Parameters
     ----------
@@ -482,11 +552,11 @@ def regular_frame(
     fillets : bool
         Whether root fillets count in the strength.
     beam_joint : Joint or str
-        Joint at both ends of every beam, or the name of one: rigid, pinned or of `joints`.
-    joints : sequence of Joint
-        Further joints.
+        Joint at both ends of every beam, or its name, rigid or pinned.
     column_axis : str
-        Axis about which the columns bend, ``"strong"`` or ``"weak"``.
+        Axis about which the columns bend in the plane x-y, ``"strong"`` or ``"weak"``.
+    depths : sequence of float
+        Widths of bays along z, in m, of a frame in space.
 
     Returns
     -------
@@ -504,7 +574,8 @@ def regular_frame(
     >>> [member.name for member in frame.members][:3]
     ['A0-A1', 'A1-A2', 'B0-B1']
     """
-    if isinstance(beam_joint, Joint):
-        joints, beam_joint = (*joints, beam_joint), beam_joint.name
-    form = RegularForm(tuple(bays), tuple(storeys), column, beam, base, beam_joint, column_axis)
+    joints = (beam_joint,) if isinstance(beam_joint, Joint) else ()
+    joint = joints[0].name if joints else str(beam_joint)
+    spans = tuple(bays), tuple(storeys)
+    form = RegularForm(*spans, column, beam, base, joint, column_axis, tuple(depths))
     return form.frame(Steel() if steel is None else steel, fillets, joints)

@@ -4,8 +4,10 @@ from collections.abc import Sequence
 from dataclasses import KW_ONLY, astuple, dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
-from math import hypot
+from math import cos, hypot, pi, sin
 from typing import Any, ClassVar
+
+import numpy as np
 
 from workbench.base.errors import InputError
 from workbench.base.fields import Choice, Declared, Flag, Instance, Many, Number, Text, checked
@@ -18,7 +20,7 @@ from workbench.scenarios.column import (
     Impact,
     Striker,
 )
-from workbench.scenarios.frame import Frame, FrameForm
+from workbench.scenarios.frame import UPRIGHT, Frame, FrameForm
 from workbench.scenarios.parts import COMPONENT, GRAVITY, NAME, OVERRIDES, Load, Member, Node
 from workbench.scenarios.pulse import UNIFORM, MemberPulse, Pulse
 
@@ -33,7 +35,15 @@ ACCELERATIONS = Many(
 LEAST_ACCELERATION = 1e-6  # m/s2, of the ground at its peak
 FRAME = Instance(Frame, form=FrameForm)
 RECORD = replace(DURATION, high=1e3)
+TOWARDS = Number(-pi, pi, "rad", advice='angles are in rad, or texts: "30 deg"')
 HEADS = {"guided": "guide-y", "pinned": "roller-y", "fixed": "guide-y"}
+
+
+def _horizontal(part: Any) -> None:
+    """Refuse an angle towards z of what acts along y."""
+    if part.angle and part.direction.endswith("y"):
+        text = "turns what acts along x towards z, not what acts along y"
+        raise part.refusal("angle", text, "take direction +x or -x, or leave it out")
 
 
 @dataclass(frozen=True)
@@ -46,9 +56,15 @@ class FrameStriker(Striker):
     '+x'
     """
 
+    angle: float = checked(TOWARDS, 0.0, omitted=True, help="of its flight, off x towards z")
     _: KW_ONLY
     node: str = checked(NAME)
     direction: str = checked(Choice(STRIKES), "+x", help="of its flight")
+
+    def check(self) -> None:
+        """Refuse laws that no striker has, and an angle of a flight along y."""
+        super().check()
+        _horizontal(self)
 
 
 @dataclass(frozen=True)
@@ -236,6 +252,7 @@ class FramePulse(Declared, table="pulse"):
     )
     duration: float = checked(DURATION, 0.1, path="time.duration")
     gravity: bool | None = checked(Flag(), optional=True, path="gravity", help=WEIGHS)
+    angle: float = checked(TOWARDS, 0.0, omitted=True, help="of both, off x towards z")
 
     KIND: ClassVar[str] = "frame-pulse"
     READING: ClassVar[int] = 3  # raised when what all models read off their histories changes
@@ -243,6 +260,7 @@ class FramePulse(Declared, table="pulse"):
 
     def check(self) -> None:
         """Refuse a pulse on nothing, and nodes and members that are not there."""
+        _horizontal(self)
         _weigh(self)
         _check_motion(self.frame, self)
         for load in self.loads:
@@ -256,6 +274,35 @@ class FramePulse(Declared, table="pulse"):
 
 
 FrameScenario = FrameStatic | FrameImpact | FrameGroundMotion | FramePulse
+
+
+def azimuth(scenario: FrameScenario) -> float:
+    """Angle (rad) about y by which a frame is turned for what acts on it to lie along x."""
+    part: Any = getattr(scenario, "striker", scenario)
+    angle: float = getattr(part, "angle", 0.0)
+    return -angle if part.direction.startswith("-") else angle
+
+
+@lru_cache(maxsize=64)
+def facing(scenario: FrameScenario) -> FrameScenario:
+    """Return the scenario turned about y, so that what acts on its frame lies along x."""
+    turn, frame = azimuth(scenario), scenario.frame
+    if not turn:
+        return scenario
+    c, s = cos(turn), sin(turn)
+    nodes = tuple(
+        node.unchecked(x=c * node.x + s * node.z, z=c * node.z - s * node.x) for node in frame.nodes
+    )
+    rises = frame.chords[:, 1] / frame.lengths  # upright members turn, of others the rule does
+    rolls = turn * np.sign(rises) * (np.abs(rises) > 1.0 - 0.5 * UPRIGHT**2)
+    members = tuple(
+        member.unchecked(roll=member.roll + roll)
+        for member, roll in zip(frame.members, rolls.tolist(), strict=True)
+    )
+    part: Any = {"angle": 0.0}
+    if isinstance(scenario, FrameImpact):
+        part = {"striker": scenario.striker.unchecked(angle=0.0)}
+    return scenario.unchecked(frame=frame.unchecked(nodes=nodes, members=members), **part)
 
 
 def cyclic_path(amplitudes: Sequence[float], cycles: int = 1) -> tuple[float, ...]:
@@ -329,7 +376,8 @@ def frame_scenario(
     if not isinstance(scenario, ColumnPushover) and scenario.acceleration:
         frame, weighs = frame.changed(gravity=(scenario.acceleration, 0.0)), True
     if isinstance(scenario, ColumnImpact):
-        striker = FrameStriker(*astuple(scenario.striker), node="hit", direction="+x")
+        given = scenario.striker.unchecked(angle=0.0)  # the section is turned, not the flight
+        striker = FrameStriker(*astuple(given), node="hit", direction="+x")
         return FrameImpact(name, frame, striker, scenario.duration, weighs)
     pattern = (Load("hit", x=1.0),)
     if isinstance(scenario, ColumnPushover):

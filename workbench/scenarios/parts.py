@@ -1,10 +1,11 @@
-"""Parts of planar frames, and what their members share with columns; all values in SI units.
+"""Parts of frames, and what their members share with columns; all values in SI units.
 
-Directions are global: x to the right, y up, rotation counter-clockwise.
+Directions are global: x to the right, y up, z towards the viewer, rotation counter-clockwise.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import pi
 from typing import Any, NamedTuple
 
 from workbench.base.fields import Choice, Declared, Many, Number, Text, checked
@@ -37,6 +38,8 @@ HELD: dict[str, tuple[str, ...]] = {
     "guide-x": ("v", "rotation"),
     "guide-y": ("u", "rotation"),
 }
+# what they hold beside that in space; what is pinned does not twist
+HELD_BESIDE = {"clamped": ("w", "turn_x", "turn_y"), "pinned": ("w", "turn_y")}
 CLAMPED_HINT = "a support that is fixed, its rotation held too, is clamped"
 COMPONENT = {"x": "u", "y": "v", "rotation": "rotation"}
 
@@ -128,6 +131,7 @@ class Node(Declared, table="node", label="name"):
     locked: str = checked(
         Choice(("none", "x", "y")), "none", help="direction that is held once dead loads are on"
     )
+    z: float = checked(COORDINATE, 0.0, omitted=True, help="of a frame in space")
 
     def check(self) -> None:
         """Refuse springs and locks where the support holds the node."""
@@ -144,6 +148,11 @@ class Node(Declared, table="node", label="name"):
     def held(self) -> tuple[str, ...]:
         """Displacements that the support holds, out of u (along x), v (along y) and rotation."""
         return HELD[self.support]
+
+    @property
+    def held_beside(self) -> tuple[str, ...]:
+        """Displacements that the support holds beside those in space: w (along z), turns."""
+        return HELD_BESIDE.get(self.support, ())
 
     @property
     def resisted(self) -> set[str]:
@@ -225,6 +234,13 @@ class Member(Declared, table="member", label="name"):
     squash_load: float | None = override("squash_load")
     mass_per_length: float | None = override("mass_per_length")
     axis: str = checked(Choice(AXES), "strong", help="about which it bends in the plane")
+    roll: float = checked(
+        Number(-pi, pi, "rad", advice='angles are in rad, or texts: "30 deg"'),
+        0.0,
+        omitted=True,
+        help="of the section about the line from start to end, from where its height is upright, "
+        "of an upright member along x",
+    )
 
     def check(self) -> None:
         """Turn the section to its axis; refuse a member from a node to itself."""

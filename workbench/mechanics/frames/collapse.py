@@ -160,10 +160,10 @@ def sway_collapse(scenario: FrameImpact) -> Array | None:
     """Share of the way to P-Delta collapse per drift of each upright member (uprights,).
 
     For the storey above or below the struck column; its mechanism is that of a force at the head of
-    the column, or at the struck joint. None if dead loads take none of its resistance.
+    the column, or at the struck joint. None if dead loads take none of its resistance, or in space.
     """
     frame, striker = scenario.frame, scenario.striker
-    if not dead_loads(frame) or striker.direction[-1] != "x":
+    if not dead_loads(frame) or striker.direction[-1] != "x" or frame.spatial:
         return None
     try:
         node = column_line(scenario).head
@@ -206,11 +206,12 @@ LEAST_LENGTH = 0.05  # of an element; plastic strains have lost all meaning long
 class DriftOperator(NamedTuple):
     """Matrices from nodal displacements to member drift, contraction and storey sway.
 
-    Dofs u, v of both ends of each member, its `corners` (members, 4); the `transverse` and `axial`
-    part of the movement of its end from its start (members, 2), over its length; names of the
+    Translations of both ends of each member, its `corners` (members, 2 axes); the `transverse`
+    parts (one in the plane, two in space) and the `axial` part of the movement of its end from its
+    start (members, parts, axes) and (members, axes), over its length; names of the
     members of each straight line, its `chains`, and `chain_average` (chains, members), 1 over its
     length; the dofs of upright members, `column_dofs`, and the drift of the line of each from
-    them, `sway` (column_dofs, uprights).
+    them, `sway` (parts, column_dofs, uprights).
     """
 
     corners: Indices
@@ -224,26 +225,29 @@ class DriftOperator(NamedTuple):
 
 def _drift_operator(frame: Frame, assembly: PlanarAssembly) -> DriftOperator:
     """The drift operator of a frame and of the dofs of its assembly."""
-    corners = np.stack([assembly.dofs(frame.ends[:, k], c) for k in (0, 1) for c in "uv"], axis=1)
-    return _drift_matrices(frame.elastic, corners.tobytes(), assembly.size)
+    along = list(assembly.components)[: assembly.axes]
+    corners = np.stack([assembly.dofs(frame.ends[:, k], c) for k in (0, 1) for c in along], axis=1)
+    return _drift_matrices(frame.elastic, corners.tobytes(), assembly.size, assembly.axes)
 
 
 @lru_cache(maxsize=64)
-def _drift_matrices(frame: Frame, placed: bytes, size: int) -> DriftOperator:
-    lengths, corners = frame.lengths, np.frombuffer(placed, np.int64).reshape(-1, 4)
-    axial = frame.chords / lengths[:, None] ** 2
-    transverse = np.stack([-axial[:, 1], axial[:, 0]], axis=1)
-    moved, rows = np.zeros((len(lengths), size)), np.arange(len(lengths))[:, None]
-    moved[rows, corners] = np.concatenate([-transverse, transverse], axis=1)
+def _drift_matrices(frame: Frame, placed: bytes, size: int, axes: int) -> DriftOperator:
+    lengths = frame.lengths
+    corners = np.frombuffer(placed, np.int64).reshape(-1, 2 * axes)
+    directions = frame.directions[:, :, :axes] / lengths[:, None, None]
+    axial, transverse = directions[:, 0], directions[:, 1:axes]
+    moved, rows = np.zeros((transverse.shape[1], len(lengths), size)), np.arange(len(lengths))
+    parts = np.moveaxis(transverse, 1, 0)
+    moved[:, rows[:, None], corners] = np.concatenate([-parts, parts], axis=2)
     place = {member.name: i for i, member in enumerate(frame.members)}
     straight = [chain.members for chain in chains(frame)]
     members = np.zeros((len(straight), len(place)))
     for row, names in zip(members, straight, strict=True):
         row[[place[name] for name in names]] = 1.0
     chain_average = members / (members @ lengths)[:, None]
-    lines = ((chain_average * lengths) @ moved)[members.argmax(axis=0)]
-    drifting = lines[[place[name] for name in upright_names(frame)]]
-    column_dofs = np.flatnonzero(drifting.any(axis=0))
+    lines = ((chain_average * lengths) @ moved)[:, members.argmax(axis=0)]
+    drifting = lines[:, [place[name] for name in upright_names(frame)]]
+    column_dofs = np.flatnonzero(drifting.any(axis=(0, 1)))
     return DriftOperator(
         corners,
         transverse,
@@ -251,7 +255,7 @@ def _drift_matrices(frame: Frame, placed: bytes, size: int) -> DriftOperator:
         straight,
         chain_average,
         column_dofs,
-        drifting[:, column_dofs].T.copy(),
+        np.swapaxes(drifting[..., column_dofs], 1, 2).copy(),
     )
 
 
@@ -315,7 +319,8 @@ class CollapseWatch:
 
         Of displacements `moved` (dofs,): movement of the line's ends across it over its length.
         """
-        return np.asarray(np.abs(moved[..., self.drift.column_dofs] @ self.drift.sway))
+        sways = [moved[..., self.drift.column_dofs] @ part for part in self.drift.sway]
+        return np.asarray(np.hypot.reduce(sways))
 
     def sideways(self) -> tuple[float, int]:
         """Largest movement of a member's ends across its axis over its length; which member."""
@@ -330,8 +335,10 @@ class CollapseWatch:
         all of that, and may be too short to reach its first length.
         """
         drift, at = self.drift, self._structure.assembly.displacement[..., self.drift.corners]
-        apart = at[..., 2:] - at[..., :2]
-        moved = np.abs(np.sum(apart * drift.transverse, axis=-1))
+        axes = drift.axial.shape[1]
+        apart = at[..., axes:] - at[..., :axes]
+        across = np.sum(apart[..., None, :] * drift.transverse, axis=-1)
+        moved = np.linalg.norm(across, axis=-1)
         if now:
             left = 1.0 + np.sum(apart * drift.axial, axis=-1)
             moved /= np.minimum(1.0, np.hypot(moved, left))

@@ -24,9 +24,10 @@ from workbench.base.arrays import Array
 from workbench.mechanics.frames import out_of_domain
 from workbench.mechanics.frames.members import chains, shear_stiffness
 from workbench.mechanics.frames.structure import dead_loads, hinge_names, nodal_loads, series
-from workbench.mechanics.structures.assembly import COMPONENTS
+from workbench.mechanics.structures.assembly import COMPONENTS, SPATIAL
 from workbench.scenarios import Frame, FrameImpact, Load, Member, Node
 from workbench.scenarios.parts import COMPONENT, OVERRIDES
+from workbench.steel.sections.slenderness import torsion_constants
 
 NO_STIFFNESS = 1e-11  # eigenvalue of the scaled stiffness that counts as none
 UNBALANCED = 1e-6  # share of a load that meets no stiffness
@@ -52,6 +53,7 @@ class ElasticFrame:
 
     Arguments: `frame`; names of the `members` that count (None: all); `springs`, whether springs
     to the ground and locks act, as they do once the dead loads are on; beams (`parts`) per member.
+    Nodes of a frame in space have six dofs, and joints turn about all axes alike.
     """
 
     def __init__(
@@ -67,23 +69,27 @@ class ElasticFrame:
         # of each member: dofs of its parts, stiffness of a part, to local axes
         self._beams: list[tuple[Array, Array, Array]] = []
         self._parts = parts
-        inner = 2 + 3 * (parts - 1)  # dofs of a member: rotations at joints, nodes between parts
-        size = 3 * len(frame.nodes) + inner * len(frame.members)
+        self.places = SPATIAL if frame.spatial else COMPONENTS
+        each, turns = len(self.places), len(self.places) // 2
+        # dofs of a member: rotations at joints, nodes between parts
+        inner = 2 * turns + each * (parts - 1)
+        size = each * len(frame.nodes) + inner * len(frame.members)
         self.stiffness: Array = np.zeros((size, size))
         self.mass: Array = np.zeros((size, size))
-        for number, member in enumerate(frame.members):
-            self._place(member, 3 * len(frame.nodes) + inner * number, self._counted[number])
+        for number in range(len(frame.members)):
+            self._place(number, each * len(frame.nodes) + inner * number)
         held = []
-        for node in frame.nodes:
-            at = 3 * frame.number[node.name]
-            self.mass[range(at, at + 3), range(at, at + 3)] += node.mass, node.mass, 0.0
-            self.mass[at + 2, at + 2] += node.rotary_inertia
-            held += [at + COMPONENTS[component] for component in node.held]
+        for number, node in enumerate(frame.nodes):
+            dofs = each * number + np.arange(each)
+            self.mass[dofs, dofs] += np.repeat([node.mass, node.rotary_inertia], [each - turns, turns])
+            parts_held = node.held + (node.held_beside if frame.spatial else ())
+            held += [dofs[self.places[component]] for component in parts_held]
             if springs:
-                given = (node.spring_x, node.spring_y, node.spring_rotation)
-                self.stiffness[range(at, at + 3), range(at, at + 3)] += given
+                for direction, component in COMPONENT.items():
+                    at = dofs[self.places[component]]
+                    self.stiffness[at, at] += getattr(node, f"spring_{direction}")
                 if node.locked != "none":
-                    held.append(at + COMPONENTS[COMPONENT[node.locked]])
+                    held.append(dofs[self.places[COMPONENT[node.locked]]])
         resisting = np.flatnonzero(np.diag(self.stiffness) > 0.0)
         self._free = np.setdiff1d(resisting, held)
         self._held = np.array(sorted(held), dtype=np.int64)
@@ -94,27 +100,38 @@ class ElasticFrame:
         self._stiff = values > NO_STIFFNESS * max(values.max(initial=0.0), 1e-300)
         self._values, self._modes = values, scale[:, None] * modes
 
-    def _place(self, member: Member, spare: int, counted: bool) -> None:
+    def _place(self, number: int, spare: int) -> None:
         """Add stiffness and mass of a member; its own dofs begin with `spare`."""
-        frame = self._frame
-        chord, length = frame.chords[frame.members.index(member)], frame.length(member)
-        dofs = np.concatenate([3 * frame.number[end.node] + np.arange(3) for end in member.ends])
-        properties, modulus = frame.properties(member), frame.steel.elastic_modulus
-        softness = length / (modulus * properties.area)
+        frame, member, counted = self._frame, self._frame.members[number], self._counted[number]
+        each = len(self.places)
+        turns = each // 2
+        dofs = np.concatenate([each * end + np.arange(each) for end in frame.ends[number]])
+        properties = frame.properties(member)
+        softness = frame.length(member) / (frame.steel.elastic_modulus * properties.area)
+        bent = properties.second_moment / (properties.area * softness)
+        axes = _axes(frame, number)
         for side, joint in enumerate(frame.joints_of(member)):
             softness += 0.0 if joint.axial_stiffness is None else 1.0 / joint.axial_stiffness
             if joint.rotational_stiffness is not None:
-                node, dofs[3 * side + 2] = dofs[3 * side + 2], spare + side
+                at = each * side + each - turns + np.arange(turns)
+                ends = np.concatenate([dofs[at], spare + turns * side + np.arange(turns)])
+                dofs[at] = ends[turns:]
                 if counted:
-                    grid = np.ix_([node, spare + side], [node, spare + side])
-                    coupling = joint.rotational_stiffness * np.array([[1.0, -1.0], [-1.0, 1.0]])
-                    self.stiffness[grid] += coupling
-        local = _axes(chord / length)
-        part = length / self._parts
-        stiffness = _stiffness(self._parts / softness, modulus * properties.second_moment, part)
+                    turn = joint.rotational_stiffness * np.eye(turns)
+                    if turns > 1:  # what is pinned does not twist
+                        turn += 6.0 * bent * np.outer(axes[0, :3], axes[0, :3])
+                    self.stiffness[np.ix_(ends, ends)] += np.kron([[1.0, -1.0], [-1.0, 1.0]], turn)
+        local = scipy.linalg.block_diag(axes, axes)
+        part = frame.length(member) / self._parts
+        stiffness = _beam(frame, member, self._parts / softness, part)
         mass = _mass(properties.mass_per_length * part, part)
-        between = spare + 2 + np.arange(3 * (self._parts - 1)).reshape(-1, 3)
-        line = np.vstack([dofs[:3], between, dofs[3:]])
+        if frame.spatial:
+            both = frame.about_both(member)
+            radius = sum(values.second_moment for values in both) / properties.area
+            turned = properties.mass_per_length * part * radius / 6.0
+            mass = _in_space(mass, mass, turned * np.array([[2.0, 1.0], [1.0, 2.0]]))
+        between = spare + 2 * turns + np.arange(each * (self._parts - 1)).reshape(-1, each)
+        line = np.vstack([dofs[:each], between, dofs[each:]])
         beams = np.hstack([line[:-1], line[1:]])
         self._beams.append((beams, stiffness, local))
         for beam in beams if counted else ():
@@ -123,9 +140,9 @@ class ElasticFrame:
 
     def load(self, loads: Sequence[Load]) -> Array:
         """Nodal forces and moments (dofs,)."""
-        total = np.zeros(len(self.stiffness))
-        forces = nodal_loads(self._frame, loads)
-        total[: forces.size] = forces.ravel()
+        total, each = np.zeros(len(self.stiffness)), len(self.places)
+        for component, forces in zip(COMPONENTS, nodal_loads(self._frame, loads).T, strict=True):
+            total[each * np.arange(len(forces)) + self.places[component]] = forces
         return total
 
     def displacement(self, load: Array) -> Array | None:
@@ -154,6 +171,7 @@ class ElasticFrame:
         softening = np.zeros_like(self.stiffness)
         for i, (beams, _, local) in enumerate(self._beams):
             bow = _geometric(self._frame.length(self._frame.members[i]) / self._parts)
+            bow = _in_space(bow, bow, np.zeros((2, 2))) if self._frame.spatial else bow
             for dofs in beams:
                 softening[np.ix_(dofs, dofs)] += axial[2 * i] * local.T @ bow @ local
         grid = np.ix_(self._free, self._free)
@@ -182,20 +200,49 @@ class ElasticFrame:
         Axial forces are positive in tension, moments where they stretch the fibers on the right
         of somebody who looks from start to end; zero in members that do not count.
         """
-        axial, moment = np.zeros((2, len(hinge_names(self._frame))))
+        (axial, moment), each = np.zeros((2, len(hinge_names(self._frame)))), len(self.places)
         for i, (beams, stiffness, local) in enumerate(self._beams):
             if self._counted[i]:
                 first, last = (stiffness @ local @ displacement[beams[j]] for j in (0, -1))
-                axial[2 * i : 2 * i + 2] = last[3]
-                moment[2 * i : 2 * i + 2] = -first[2], last[5]
+                axial[2 * i : 2 * i + 2] = last[each]
+                moment[2 * i : 2 * i + 2] = -first[each - 1], last[2 * each - 1]
         return axial, moment
 
 
-def _axes(direction: Array) -> Array:
-    """Rotation of element dofs from global to local axes (6, 6)."""
-    c, s = direction
-    turn = [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]
-    return np.asarray(scipy.linalg.block_diag(turn, turn))
+def _axes(frame: Frame, number: int) -> Array:
+    """Rotation of the dofs of a node from global axes to those of a member, (3, 3) or (6, 6)."""
+    if not frame.spatial:
+        c, s = frame.chords[number] / frame.lengths[number]
+        return np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    along, height = frame.directions[number, 0], frame.heights[number]
+    rows = np.stack([along, height, np.cross(along, height)])
+    return np.asarray(scipy.linalg.block_diag(rows, rows))
+
+
+def _beam(
+    frame: Frame, member: Member, axial: float, length: float, softer: float = 0.0
+) -> Array:
+    """Stiffness of `length` (m) of a member in local axes, `axial` in N/m.
+
+    `softer`, Timoshenko's ratio of bending to shear stiffness, see `_stiffness`.
+    """
+    modulus = frame.steel.elastic_modulus
+    if not frame.spatial:
+        return _stiffness(axial, modulus * frame.properties(member).second_moment, length, softer)
+    strong, weak = (modulus * values.second_moment for values in frame.about_both(member))
+    section = frame.strength_section(member)
+    twist = frame.steel.shear_modulus * torsion_constants(section.about("strong"))[0] / length
+    planes = _stiffness(axial, strong, length, softer), _stiffness(axial, weak, length)
+    return _in_space(*planes, twist * np.array([[1.0, -1.0], [-1.0, 1.0]]))
+
+
+def _in_space(strong: Array, weak: Array, twist: Array) -> Array:
+    """Matrix (12, 12) of two planes of bending (6, 6), the first with what is axial, and twist."""
+    matrix, alike = np.zeros((12, 12)), np.array([0.0, 1.0, -1.0, 0.0, 1.0, -1.0])
+    matrix[np.ix_([0, 2, 4, 6, 8, 10], [0, 2, 4, 6, 8, 10])] = weak * np.outer(alike, alike)
+    matrix[np.ix_([0, 1, 5, 6, 7, 11], [0, 1, 5, 6, 7, 11])] += strong
+    matrix[np.ix_([3, 9], [3, 9])] = twist
+    return matrix
 
 
 def _local(lengthwise: ArrayLike, across: ArrayLike) -> Array:
@@ -206,11 +253,15 @@ def _local(lengthwise: ArrayLike, across: ArrayLike) -> Array:
     return matrix
 
 
-def _stiffness(axial: float, bending: float, length: float) -> Array:
-    """Stiffness of a beam in local axes (6, 6): `axial` in N/m, `bending` EI in N m2."""
-    a, b, c = 12.0 / length**2, 6.0 / length, 4.0
-    rows = [[a, b, -a, b], [b, c, -b, 0.5 * c], [-a, -b, a, -b], [b, 0.5 * c, -b, c]]
-    return _local([[axial, -axial], [-axial, axial]], bending / length * np.array(rows))
+def _stiffness(axial: float, bending: float, length: float, softer: float = 0.0) -> Array:
+    """Stiffness of a beam in local axes (6, 6): `axial` in N/m, `bending` EI in N m2.
+
+    `softer`, Timoshenko's ratio of bending to shear stiffness, 12 EI / (L^2 G A_v).
+    """
+    a, b, c, d = 12.0 / length**2, 6.0 / length, 4.0 + softer, 2.0 - softer
+    rows = [[a, b, -a, b], [b, c, -b, d], [-a, -b, a, -b], [b, d, -b, c]]
+    bent = bending / (1.0 + softer) / length * np.array(rows)
+    return _local([[axial, -axial], [-axial, axial]], bent)
 
 
 def _geometric(length: float) -> Array:
@@ -277,28 +328,28 @@ def time_to_peak(scenario: FrameImpact, shear_flexible: bool = False) -> float:
     `shear_flexible`.
     """
     frame, striker = scenario.frame, scenario.striker
-    along = np.array([1.0, 0.0] if striker.direction.endswith("x") else [0.0, 1.0])
-    stiffness = np.zeros((3, 3))
-    resistance = 0.0
+    each = 6 if frame.spatial else 3
+    push = np.zeros(each)
+    push["xy".index(striker.direction[-1])] = 1.0
+    stiffness, resistance = np.zeros((each, each)), 0.0
     inertia = striker.mass + frame.node(striker.node).mass
-    near = frame.points[frame.number[striker.node]]
     for end in frame.meeting(striker.node):
         member, length = end.member, frame.length(end.member)
         properties, modulus = frame.properties(member), frame.steel.elastic_modulus
-        local = _axes((frame.points[frame.number[end.other.node]] - near) / length)
-        axial, bending = modulus * properties.area / length, modulus * properties.second_moment
-        softer = 0.0  # Timoshenko's ratio of bending to shear stiffness
+        axes = _axes(frame, frame.members.index(member))
+        softer = 0.0
         if shear_flexible:
             shear = shear_stiffness(frame.strength_section(member), frame.steel)
-            softer = 12.0 * bending / (length**2 * shear)
-        stiff = _stiffness(axial, bending / (1.0 + softer), length)[:3, :3]
-        stiff[2, 2] *= 1.0 + 0.25 * softer
-        stiffness += local[:3, :3].T @ stiff @ local[:3, :3]
-        lengthwise, across = np.abs(local[:2, :2] @ along)
-        resistance += 2.0 * properties.plastic_moment / length * float(across)
+            softer = 12.0 * modulus * properties.second_moment / (length**2 * shear)
+        stiff = _beam(frame, member, modulus * properties.area / length, length, softer)
+        own = slice(0, each) if end.at_start else slice(each, 2 * each)
+        stiffness += axes.T @ stiff[own, own] @ axes
+        lengthwise, *across = np.abs(axes @ push)[: (each + 1) // 2]
+        both = frame.about_both(member) if frame.spatial else (properties,)
+        for values, share in zip(both, across, strict=True):
+            resistance += 2.0 * values.plastic_moment / length * float(share)
         resistance += properties.squash_load * float(lengthwise)
         inertia += properties.mass_per_length * length / 3.0
-    push = np.append(along, 0.0)
     flexibility = float(push @ np.linalg.pinv(stiffness) @ push)
     elastic = 0.5 * pi * sqrt(inertia * flexibility)
     return max(elastic, striker.mass * striker.velocity / resistance)

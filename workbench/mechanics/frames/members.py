@@ -86,9 +86,9 @@ def _straight_on(frame: Frame, node: Node, pair: list[MemberEnd]) -> bool:
     if node.resisted or any(end.joint != "rigid" for end in pair):
         return False
     far = [frame.number[end.other.node] for end in pair]
-    directions = frame.points[far] - (node.x, node.y)
-    (ax, ay), (bx, by) = directions / np.hypot(*directions.T)[:, None]
-    return bool(ax * bx + ay * by < 0.0 and abs(ax * by - ay * bx) < STRAIGHT)
+    directions = frame.points[far] - frame.points[frame.number[node.name]]
+    first, second = directions / np.linalg.norm(directions, axis=1)[:, None]
+    return bool(np.linalg.norm(first + second) < STRAIGHT)
 
 
 def named(members: Sequence[str]) -> str:

@@ -122,11 +122,10 @@ class Snapshots:
             self._draw(self._last)
         times, shapes, used = zip(*self._pictures, strict=True)
         rows = np.searchsorted(times, shown)
-        drawn = np.stack([shapes[row] for row in rows], axis=-1)  # (members, points, 2, pictures)
+        drawn = np.stack([shapes[row] for row in rows], axis=-1)  # (members, points, axes, times)
         return {
             "snapshot_at": shown,
-            "shape_x": drawn[:, :, 0],
-            "shape_y": drawn[:, :, 1],
+            **{f"shape_{axis}": drawn[:, :, k] for k, axis in zip(range(drawn.shape[2]), "xyz")},
             "utilisation": np.stack([used[row] for row in rows], axis=-1),
         }
 

@@ -27,11 +27,11 @@ from workbench.mechanics.structures.paths import apply_loads
 from workbench.mechanics.structures.superelements import HingeEnd, Superelements
 from workbench.responses import Response, finding, findings_of, set_findings
 from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, Joint, Load, Member
+from workbench.scenarios.frame import UPRIGHT
 from workbench.scenarios.parts import COMPONENT, RIGID
 from workbench.steel.hinges import YieldSurface
 
 Whole = TypeVar("Whole")
-UPRIGHT = 1e-3  # run over rise of a member that counts as upright
 POINTS = np.linspace(0.0, 1.0, 9)  # along a member, where its deformed shape is drawn
 
 
@@ -112,7 +112,7 @@ class MemberReader(ABC):
 
     @abstractmethod
     def shapes(self, assembly: PlanarAssembly) -> Array:
-        """Displaced positions (members, points, 2) in m at the `POINTS` of each member."""
+        """Displaced positions (members, points, axes) in m at the `POINTS` of each member."""
 
 
 @dataclass(frozen=True)
@@ -213,8 +213,14 @@ def member_names(frame: Frame) -> tuple[str, ...]:
 @lru_cache(maxsize=64)
 def upright_names(frame: Frame) -> tuple[str, ...]:
     """Names of the members that stand upright, in their order."""
-    run, rise = np.abs(frame.chords.T)
-    return tuple(frame.members[i].name for i in np.flatnonzero(run < UPRIGHT * rise))
+    run = np.linalg.norm(np.delete(frame.chords, 1, axis=1), axis=1)
+    rows = np.flatnonzero(run < UPRIGHT * np.abs(frame.chords[:, 1]))
+    return tuple(frame.members[i].name for i in rows)
+
+
+def in_space(vectors: Array) -> Array:
+    """Vectors (n, 2) or (n, 3) with their part along z (n, 3)."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
 def _again(whole: Whole) -> Whole:
@@ -393,9 +399,10 @@ def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> tuple[
     elif isinstance(scenario, FramePulse):
         counts = _parts(frame, tuple(load.node for load in scenario.loads), inf, multiple, far)
     several = multiple * ceil(FEWEST_LOADED / multiple)
-    pressed, (along_x, along_y) = getattr(scenario, "members", ()), frame.chords.T
-    x, y = (frame.line_loads + np.outer(frame.each("mass_per_length"), frame.gravity)).T
-    bent = np.abs(along_x * y - along_y * x) > _STRAIGHT * frame.lengths  # by their dead loads
+    pressed = getattr(scenario, "members", ())
+    lines = frame.line_loads + np.outer(frame.each("mass_per_length"), frame.gravity)
+    across = np.linalg.norm(np.cross(in_space(frame.chords), in_space(lines)), axis=1)
+    bent = across > _STRAIGHT * frame.lengths  # by their dead loads
     loaded = bent | np.array([member.name in pressed for member in frame.members])
     return tuple(np.maximum(counts, np.where(loaded, several, 1)).tolist())
 

@@ -15,6 +15,7 @@ from workbench.mechanics.structures import kernels
 from workbench.mechanics.structures.elements import Bars, ElementGroup, StepEnergies, StepRequest
 
 COMPONENTS = {"u": 0, "v": 1, "rotation": 2}
+SPATIAL = {"u": 0, "v": 1, "w": 2, "turn_x": 3, "turn_y": 4, "rotation": 5}
 
 
 class PlanarAssembly:

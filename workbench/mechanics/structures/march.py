@@ -53,9 +53,10 @@ class CollapseLimits(NamedTuple):
 
     Movement of the ends of a member `sideways` over its length; `contraction` of a line of members
     over its length; least `length` of an element over its first one. Of each member the number of
-    its `first` element (members + 1,); dofs u, v of both `corners` (members, 4), and what of the
-    movement of its end counts `across` and `along` (members, 2), over the length; which `chain` of
-    members in a straight line it is in, and its `share` of that in 1/m.
+    its `first` element (members + 1,); translations of both `corners` (members, 2 axes), and what
+    of the movement of its end counts `across` (members, parts, axes) and `along` (members, axes),
+    over the length; which `chain` of members in a straight line it is in, and its `share` of that
+    in 1/m.
     """
 
     sideways: float
@@ -219,10 +220,15 @@ def collapsed(s):
             if deformation[e, 0] < (limits.length - 1.0) * lengths[e]:
                 return True
         squashed[limits.chain[m]] -= limits.share[m] * stretched
-        du = x[corners[m, 2]] - x[corners[m, 0]]
-        dv = x[corners[m, 3]] - x[corners[m, 1]]
-        apart = abs(du * across[m, 0] + dv * across[m, 1])
-        left = 1.0 + du * along[m, 0] + dv * along[m, 1]
+        left, square, axes = 1.0, 0.0, along.shape[1]
+        for k in range(axes):
+            left += along[m, k] * (x[corners[m, axes + k]] - x[corners[m, k]])
+        for part in range(across.shape[1]):
+            moved = 0.0
+            for k in range(axes):
+                moved += across[m, part, k] * (x[corners[m, axes + k]] - x[corners[m, k]])
+            square += moved * moved
+        apart = square**0.5
         # a chord that turns over passes all of what is left between its ends, see `CollapseWatch`
         if apart > limits.sideways * min(1.0, np.hypot(apart, left)):
             return True

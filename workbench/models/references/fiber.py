@@ -253,17 +253,21 @@ class FiberMembers(MemberReader):
         self._radii = np.repeat(np.stack([radii[s] for s in sections]), 2, axis=0)
         self._half = 2 * mesh.member + mesh.upper
         self._hinge = np.array([2 * m + (not start) for m, start, _, _ in mesh.joints], dtype=int)
-        self._dofs: tuple[Indices, Indices] | None = None
+        self._dofs: list[Indices] | None = None
         self._drawn = drawn_points(mesh)
 
     def plastic_rotations(self) -> Array:
         """Plastic curvature integrated over the half member next to each end, and its joint."""
-        of_elements = self.elements.plastic_rotations()
-        rotation = np.zeros((*of_elements.shape[:-1], len(self._ends)))
-        np.add.at(rotation.T, self._half, of_elements.T)
+        rotation = self._near_ends(self.elements.plastic_rotations())
         if self._springs is not None:
             rotation[self._hinge] += self._springs.plastic
         return rotation
+
+    def _near_ends(self, of_elements: Array) -> Array:
+        """Sums (..., hinges) of values (..., elements) over the half member next to each end."""
+        total = np.zeros((*of_elements.shape[:-1], len(self._ends)))
+        np.add.at(total.T, self._half, of_elements.T)
+        return total
 
     def utilisation(self) -> Array:
         """Radius of (N/Np, M/Mp) over that of the exact envelope, where the end is sampled.
@@ -301,10 +305,10 @@ class FiberMembers(MemberReader):
         return np.abs(weighted / np.add.reduceat(mesh.lengths, mesh.first[:-1]))
 
     def shapes(self, assembly: PlanarAssembly) -> Array:
-        """Displaced positions (members, points, 2), straight between the nodes."""
+        """Displaced positions (members, points, axes), straight between the nodes."""
         if self._dofs is None:
-            count = range(len(self._mesh.coordinates))
-            self._dofs = assembly.dofs(count, "u"), assembly.dofs(count, "v")
+            count, along = range(len(self._mesh.coordinates)), list(assembly.components)
+            self._dofs = [assembly.dofs(count, each) for each in along[: assembly.axes]]
         moved = [assembly.displacement[..., dofs] for dofs in self._dofs]
         position = self._mesh.coordinates + np.stack(moved, axis=-1)
         start, end, share = self._drawn

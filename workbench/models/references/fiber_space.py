@@ -1,11 +1,14 @@
-"""Reference in space: a column of co-rotational fiber beams, hit from any side.
+"""Models in space, and their reference: co-rotational fiber beams, hit from any side.
 
-The section is turned about the axis of the column, so that the hit stays along x and what the
-column does sideways is along z. Fibers lie in both directions; torsion is elastic, by St Venant.
+The section of a column is turned about its axis, and a frame as a whole, so that the hit stays
+along x and what the column does sideways is along z. Fibers lie in both directions; torsion is
+elastic, by St Venant.
 """
 
-from collections.abc import Callable
+from abc import abstractmethod
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import cos, pi, sin
 from typing import Any, ClassVar, NamedTuple
 
@@ -14,7 +17,12 @@ import numpy as np
 from workbench.base.arrays import Array
 from workbench.base.fields import Number, checked
 from workbench.mechanics.frames.members import LAYERS
-from workbench.mechanics.frames.structure import FrameStructure, apply_dead_loads
+from workbench.mechanics.frames.structure import (
+    FrameStructure,
+    apply_dead_loads,
+    free_to_spin,
+    in_space,
+)
 from workbench.mechanics.structures.fibers.section import LinearHardening
 from workbench.mechanics.structures.space import (
     SpaceAssembly,
@@ -35,95 +43,205 @@ from workbench.models.references.fiber import (
 from workbench.models.references.fiber_beams import INTERPOLATED, SAMPLED
 from workbench.models.references.refine import REFINEMENT
 from workbench.responses import Finding, Response, finding
-from workbench.scenarios import ColumnImpact, ColumnScenario, Frame, FrameScenario
+from workbench.scenarios import (
+    ColumnImpact,
+    ColumnScenario,
+    Frame,
+    FrameImpact,
+    FramePulse,
+    FrameScenario,
+)
+from workbench.scenarios.frame_events import azimuth, facing
+from workbench.scenarios.parts import HELD_BESIDE, PINNED, RIGID
 from workbench.steel.hinges import BiaxialSurface
-from workbench.steel.sections import AXES
 from workbench.steel.sections.slenderness import torsion_constants
 
 
-class SpaceMembers(FiberMembers):
-    """Reads the members of a column off their elements in space."""
+BESIDE = {"sideways": "w", "twist": "turn_y"}  # histories of a column by component
+NAMED = 4  # parts that a sentence names
+surface_in_space = lru_cache(maxsize=256)(BiaxialSurface)
 
-    def __init__(self, frame: Frame, mesh: FrameMesh, beams: Any, sampled: float) -> None:
-        super().__init__(frame, mesh, beams, None, sampled, shear_yields=False)
-        section = frame.strength_section(frame.members[0])
-        about_both = [section.about(axis).plastic_moment(frame.steel) for axis in reversed(AXES)]
-        self._strength = np.array([section.squash_load(frame.steel), *about_both])
-        self._surface = BiaxialSurface(section)
+
+class SpaceMembers(FiberMembers):
+    """Reads members off their elements in space, of a frame the resultants about both axes."""
+
+    def __init__(self, placed: "Placed", beams: Any, sampled: float, *, resultant: bool) -> None:
+        frame = placed.frame
+        super().__init__(frame, placed.mesh, beams, None, sampled, shear_yields=False)
+        self._resultant = resultant
+        both = [frame.about_both(member) for member in frame.members]
+        strengths = [(s.squash_load, s.plastic_moment, w.plastic_moment) for s, w in both]
+        self._strength = np.repeat(strengths, 2, axis=0)
+        sections = [frame.strength_section(member).about("strong") for member in frame.members]
+        rows = np.repeat([list(dict.fromkeys(sections)).index(each) for each in sections], 2)
+        surfaces = enumerate(dict.fromkeys(sections))
+        self._surfaces = [(surface_in_space(each), np.flatnonzero(rows == i)) for i, each in surfaces]
+
+    def moments(self) -> Array:
+        """Bending moments (hinges,)."""
+        if not self._resultant:
+            return super().moments()
+        beams: Any = self.elements
+        ends = beams.section_forces[..., self._ends, self._side, 1:]
+        return np.asarray(np.linalg.norm(ends, axis=-1))
+
+    def plastic_rotations(self) -> Array:
+        """Plastic rotations (hinges,) of the half members next to the ends."""
+        if not self._resultant:
+            return super().plastic_rotations()
+        beams: Any = self.elements
+        turns = np.moveaxis(beams.plastic_turns(), -1, 0)
+        return np.asarray(np.hypot(*(self._near_ends(each) for each in turns)))
 
     def utilisation(self) -> Array:
         """Gauge of N, M_y and M_z (hinges,) where the end is sampled: 1 on the exact surface."""
         beams: Any = self.elements
         forces, rows = beams.section_forces[..., self._ends, :, :], np.arange(len(self._ends))
         near, far = forces[..., rows, self._side, :], forces[..., rows, 1 - self._side, :]
-        share = (1.0 - self._sampled) * near + self._sampled * far
-        return self._surface.gauge((share / self._strength)[..., [0, 2, 1]])
+        share = ((1.0 - self._sampled) * near + self._sampled * far) / self._strength
+        used = np.zeros(share.shape[:-1])
+        for surface, alike in self._surfaces:
+            used[..., alike] = surface.gauge(share[..., alike, :][..., [0, 2, 1]])
+        return used
 
 
-class Turned(NamedTuple):
-    """A column whose section is turned away from the hit, meshed.
+class Placed(NamedTuple):
+    """A frame in space, meshed.
 
-    Its `frame`, bent about the strong axis; `mesh`; `height` (3,), direction of that of the
-    section; `axes` (elements, 2, 3, 3) of dofs: at supports those of the section.
+    `heights` (elements, 3), directions of that of the section; `axes` (elements, 2, 3, 3) of dofs.
     """
 
     frame: Frame
     mesh: FrameMesh
-    height: tuple[float, float, float]
+    heights: Array
     axes: Array
 
+    def stand(
+        self, beams: SpaceElements, held: Iterable[tuple[int, str]], sampled: float, *, column: bool
+    ) -> FrameStructure:
+        """Bring the dead loads on the elements. Raises `SolverError`.
 
-def stand_in_space(
-    scenario: ColumnImpact,
-    lengths: list[Array],
-    elements: Callable[[Turned], SpaceElements],
-    sampled: float,
-) -> FrameStructure:
-    """A column in space under its dead loads. Raises `SolverError`.
+        Arguments: what is `held` beside a plane, nodes and components; `sampled`, where an element
+        samples plasticity, from its end over its length; whether it stands for a `column`.
+        """
+        assembly = SpaceAssembly(in_space(self.mesh.coordinates), [beams])
+        assembly.hold([assembly.dof(*each) for each in held])
+        members = SpaceMembers(self, beams, sampled, resultant=not column)
+        structure = apply_dead_loads(self.frame, assembly, members)
+        if not column:
+            return structure
+        hit = self.frame.number["hit"]
+        beside = {name: (assembly.dof(hit, part), 1.0) for name, part in BESIDE.items()}
+        column_structure = as_column(structure)
+        return replace(column_structure, watched={**column_structure.watched, **beside})
 
-    Arguments: `lengths` (m) of the elements below and above the impact point; `elements`, makes
-    them; `sampled`, where an element samples plasticity, from its end and over its length.
+
+def place_column(scenario: ColumnImpact, lengths: list[Array]) -> Placed:
+    """A column whose section is turned away from the hit; `lengths` (m) of its elements.
+
+    Dofs at supports lie along the axes of the section.
     """
     column = scenario.column.bent_about("strong")
     angle = scenario.striker.angle + (0.5 * pi if scenario.column.axis == "weak" else 0.0)
     frame = as_frame(scenario.unchecked(column=column)).frame
     mesh = mesh_frame(frame, lengths)
-    base, hit, head = (frame.number[name] for name in ("base", "hit", "head"))
     c, s = cos(angle), sin(angle)
     turned = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
-    supports = np.isin(mesh.nodes, [base, head])[:, :, None, None]
-    beams = elements(Turned(frame, mesh, (-c, 0.0, s), np.where(supports, turned, np.eye(3))))
-    flat = np.zeros((len(mesh.coordinates), 1))
-    assembly = SpaceAssembly(np.concatenate([mesh.coordinates, flat], axis=1), [beams])
-    for number, end in zip((base, head), column.ends_about("weak"), strict=True):
-        turn = [] if end == "pinned" else ["turn_x"]
-        assembly.hold([assembly.dof(number, name) for name in ("w", "turn_y", *turn)])
-    members = SpaceMembers(frame, mesh, beams, sampled)
-    structure = as_column(apply_dead_loads(frame, assembly, members))
-    beside = {
-        "sideways": (assembly.dof(hit, "w"), 1.0),
-        "twist": (assembly.dof(hit, "turn_y"), 1.0),
-    }
-    return replace(structure, watched={**structure.watched, **beside})
+    supports = np.isin(mesh.nodes, [frame.number[name] for name in ("base", "head")])
+    axes = np.where(supports[:, :, None, None], turned, np.eye(3))
+    return Placed(frame, mesh, np.tile((-c, 0.0, s), (len(mesh.nodes), 1)), axes)
+
+
+def place_frame(frame: Frame, lengths: list[Array]) -> Placed:
+    """A frame in space; `lengths` (m) of its elements, which know by themselves where pins are."""
+    members = (m.unchecked(joint_start=RIGID.name, joint_end=RIGID.name) for m in frame.members)
+    mesh = mesh_frame(frame.unchecked(members=tuple(members)), lengths)
+    axes = np.broadcast_to(np.eye(3), (len(mesh.nodes), 2, 3, 3))
+    return Placed(frame, mesh, frame.heights[mesh.member], axes)
+
+
+def held_beside(scenario: ColumnImpact | FrameScenario, frame: Frame) -> Iterator[tuple[int, str]]:
+    """Nodes and what supports hold of them beside a plane."""
+    if isinstance(scenario, ColumnImpact):
+        ends = scenario.column.bent_about("strong").ends_about("weak")
+        for name, end in zip(("base", "head"), ends, strict=True):
+            turn = [] if end == "pinned" else ["turn_x"]
+            yield from ((frame.number[name], part) for part in ("w", "turn_y", *turn))
+        return
+    for number, node in enumerate(frame.nodes):
+        yield from ((number, part) for part in node.held_beside)
+    for number in free_to_spin(frame):
+        yield from ((number, part) for part in ("turn_x", "turn_y"))
 
 
 class SpaceModel(FrameModel):
-    """A model of columns in space, which a face with friction does not suit."""
+    """A model of columns and frames in space, which a face with friction does not suit.
 
-    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
+    Frames are turned so that what acts on them lies along x, and their pictures back.
+    """
+
+    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, FrameImpact.KIND, FramePulse.KIND)
     spatial: ClassVar[bool] = True
+    pins: ClassVar[bool] = False
+    sampled: Any = 0.0
+
+    @abstractmethod
+    def lengths(self, scenario: ColumnScenario | FrameScenario) -> list[Array]:
+        """Element lengths (m) of every member."""
+
+    @abstractmethod
+    def bars(self, placed: Placed) -> SpaceElements:
+        """The elements of a frame in space."""
 
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings of all such models, buckling about the weaker axis, a face with friction."""
-        assert isinstance(scenario, ColumnImpact)
-        findings = super().domain(scenario.unchecked(column=scenario.column.weaker))
-        friction = scenario.striker.friction
+        friction = getattr(getattr(scenario, "striker", None), "friction", 0.0)
         rubs = [finding("face-friction", friction, name=self.name)] if friction > 0.0 else []
-        return findings + rubs
+        if isinstance(scenario, ColumnImpact):
+            return super().domain(scenario.unchecked(column=scenario.column.weaker)) + rubs
+        unknown = space_parts(scenario, pins=self.pins)
+        if unknown:
+            parts = ", ".join(unknown[:NAMED])
+            return [finding("space-parts", len(unknown), name=self.name, parts=parts)]
+        return super().domain(facing(scenario)) + rubs
+
+    def structure(self, scenario: ColumnScenario | FrameScenario) -> FrameStructure:
+        """The column or frame under its dead loads. Raises `SolverError`."""
+        lengths, column = self.lengths(scenario), isinstance(scenario, ColumnImpact)
+        place: Any = place_column if column else place_frame
+        placed = place(scenario if column else scenario.frame, lengths)
+        held = held_beside(scenario, placed.frame)
+        return placed.stand(self.bars(placed), held, self.sampled, column=column)
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
         """Answer a scenario that is in the domain; raises as `FrameModel.solve`."""
-        return self.run(as_frame(scenario), self.structure(scenario))
+        if isinstance(scenario, ColumnImpact):
+            return self.run(as_frame(scenario), self.structure(scenario))
+        event, turn = facing(scenario), azimuth(scenario)
+        response = self.run(event, self.structure(event))
+        x, z = response["shape_x"], response["shape_z"]
+        moved = cos(turn) * x - sin(turn) * z, cos(turn) * z + sin(turn) * x
+        for name, values in zip(("shape_x", "shape_z"), moved, strict=True):
+            response[name] = values.assign_attrs(response[name].attrs)
+        return response
+
+
+def space_parts(scenario: FrameScenario, *, pins: bool) -> list[str]:
+    """Parts of a frame that models in space do not know, in words; `pins` that they know."""
+    frame = scenario.frame
+    known = {RIGID.name, PINNED.name} if pins else {RIGID.name}
+    joints = dict.fromkeys(n for m in frame.members for n in (m.joint_start, m.joint_end))
+    parts = [f"joint {name}" for name in joints if name not in known]
+    for node in frame.nodes:
+        if node.support not in ("free", *HELD_BESIDE):
+            parts.append(f"support {node.support} of node {node.name}")
+        sprung = node.spring_x or node.spring_rotation
+        parts += [f"spring of node {node.name}"] if sprung else []
+        parts += [f"lock of node {node.name}"] if node.locked == "x" else []
+    loads = (*frame.loads, *getattr(scenario, "loads", ()))
+    parts += [f"load along x on node {each.node}" for each in loads if each.x]
+    parts += [f"moment on node {each.node}" for each in loads if each.moment]
+    return parts + [f"load along x on member {m.name}" for m in frame.members if m.load_x]
 
 
 @dataclass(frozen=True)
@@ -141,7 +259,7 @@ class FiberSpace(SpaceModel, FiberReference):
     refinement: int = checked(REFINEMENT, 1, help="how often all elements and steps are halved")
 
     name: ClassVar[str] = "fiber-space"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections; cubic deflections between nodes; large displacements and rotations.",
         "Elastic-perfectly plastic fibers, plasticity from normal stress alone.",
@@ -160,30 +278,27 @@ class FiberSpace(SpaceModel, FiberReference):
         """Sizes of elements where no option gives them."""
         return CLASSICAL_RULE
 
-    def structure(self, scenario: ColumnScenario | FrameScenario) -> FrameStructure:
-        """The column under its dead loads. Raises `SolverError`."""
-        assert isinstance(scenario, ColumnImpact)
-        return stand_in_space(scenario, self.lengths(scenario), self._beams, self.sampled)
-
     def fibers(self, frame: Frame, mesh: FrameMesh) -> SpaceBeams:
-        """Co-rotational beams, the height of whose section is along the hit."""
-        axes = np.broadcast_to(np.eye(3), (len(mesh.nodes), 2, 3, 3))
-        return self._beams(Turned(frame, mesh, (-1.0, 0.0, 0.0), axes))
+        """Co-rotational beams of a frame in its plane."""
+        return self.bars(place_frame(frame, np.split(mesh.lengths, mesh.first[1:-1])))
 
-    def _beams(self, column: Turned) -> SpaceBeams:
-        frame, mesh = column.frame, column.mesh
-        steel, member = frame.steel, frame.members[0]
-        section = frame.strength_section(member)
-        places = space_fibers(section, self.layers)
+    def bars(self, placed: Placed) -> SpaceBeams:
+        """Co-rotational beams with fibers in both directions."""
+        frame, mesh = placed.frame, placed.mesh
+        steel, fibers = frame.steel, []
         hardening = steel.hardening_modulus or self.hardening_ratio * steel.elastic_modulus
         law = LinearHardening(steel.elastic_modulus, steel.yield_stress, hardening, rate=steel.rate)
-        fibers = SpaceSection(
-            y=places.y,
-            area=places.area,
-            law=law,
-            mass_per_length=frame.properties(member).mass_per_length,
-            z=places.z,
-            torsion=steel.shear_modulus * torsion_constants(section)[0],
-        )
-        number = np.zeros_like(mesh.member)
-        return SpaceBeams(mesh.nodes, number, [fibers], column.height, axes=column.axes)
+        for member in frame.members:
+            section = frame.strength_section(member).about("strong")
+            places = space_fibers(section, self.layers)
+            fibers.append(
+                SpaceSection(
+                    y=places.y,
+                    area=places.area,
+                    law=law,
+                    mass_per_length=frame.properties(member).mass_per_length,
+                    z=places.z,
+                    torsion=steel.shear_modulus * torsion_constants(section)[0],
+                )
+            )
+        return SpaceBeams(mesh.nodes, mesh.member, fibers, placed.heights, axes=placed.axes)

@@ -5,6 +5,7 @@ and what has added up is the time integral of the spin, of which only difference
 rotary inertia is the same about every axis, so that spins have no gyroscopic term.
 """
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.base.arrays import Array
-from workbench.mechanics.structures.assembly import PlanarAssembly
+from workbench.mechanics.structures.assembly import SPATIAL, PlanarAssembly
 from workbench.mechanics.structures.elements import Bars, ElementGroup
 from workbench.mechanics.structures.fibers.section import (
     BeamSection,
@@ -38,10 +39,7 @@ FILLET = 0.2234  # of the root radius: distance of a fillet's centroid from both
 class SpaceAssembly(PlanarAssembly):
     """A structure in space: nodes with u, v, w and turns about x, y, z (that about z: rotation)."""
 
-    components: ClassVar[dict[str, int]] = {
-        **{"u": 0, "v": 1, "w": 2},
-        **{"turn_x": 3, "turn_y": 4, "rotation": 5},
-    }
+    components: ClassVar[dict[str, int]] = SPATIAL
     axes: ClassVar[int] = 3
 
 
@@ -104,6 +102,14 @@ class SpaceElements(ElementGroup):
         self._old.triads[:] = triads[:, None]
         self._old.chord[:] = bars.chords
         self.rest = triads
+
+    @abstractmethod
+    def plastic_turns(self) -> Array:
+        """Committed plastic turns about the height and the width of the section (elements, 2)."""
+
+    def plastic_rotations(self) -> Array:
+        """Committed plastic turn about the z axis of the structure (elements,)."""
+        return np.asarray(np.sum(self.plastic_turns() * self.rest[:, 2, 1:], axis=-1))
 
     @property
     def elongations(self) -> Array:
@@ -174,8 +180,8 @@ class SpaceBeams(SpaceElements, FiberElements):
             np.zeros((count, points, *fibers)),
         )
 
-    def plastic_rotations(self) -> Array:
-        """Committed plastic curvature about the z axis of the structure, integrated (elements,)."""
+    def plastic_turns(self) -> Array:
+        """Committed plastic curvature about both axes of the section, integrated (elements, 2)."""
         tables, strain = self.tables[1], self.lengths[:, None] * self.plastic_strains
         turns = []
         for lever in (tables.z, -tables.plane.y):
@@ -183,7 +189,7 @@ class SpaceBeams(SpaceElements, FiberElements):
                 lever * tables.plane.area / np.sum(lever**2 * tables.plane.area, axis=1)[:, None]
             )
             turns.append(np.sum(strain * weights[tables.plane.of], axis=1))
-        return np.asarray(np.sum(np.transpose(turns) * self.rest[:, 2, 1:], axis=1))
+        return np.stack(turns, axis=1)
 
     @property
     def plastic_strains(self) -> Array:

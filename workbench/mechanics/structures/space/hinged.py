@@ -33,15 +33,21 @@ class SpaceBar:
     mass: float
     rotary: float
 
-    def stiffness(self, length: float) -> Array:
-        """Elastic stiffness of N and both moments at the start and at the end (5, 5)."""
+    def stiffness(self, length: float, pinned: tuple[bool, bool] = (False, False)) -> Array:
+        """Elastic stiffness of N and both moments at the start and at the end (5, 5).
+
+        Ends that are `pinned` carry no moment.
+        """
         n, softness = self.hinge_stiffness, np.zeros((5, 5))
         softness[0, 0] = length / self.axial * (1.0 + 1.0 / n)
         for i, bending in enumerate(self.bending, 1):
             bend = length / (6.0 * bending)
             softness[i, i] = softness[i + 2, i + 2] = bend * (2.0 + 1.0 / n)
             softness[i, i + 2] = softness[i + 2, i] = -bend
-        return np.asarray(np.linalg.inv(softness))
+        carries = np.ix_(*2 * [np.flatnonzero(~np.repeat([False, *pinned], [1, 2, 2]))])
+        stiffness = np.zeros_like(softness)
+        stiffness[carries] = np.linalg.inv(softness[carries])
+        return stiffness
 
 
 class SpaceBars(NamedTuple):
@@ -78,7 +84,7 @@ class SpaceSuperelements(SpaceElements):
 
     Arguments: `nodes` (elements, 2); which of the `bars` each has, `of` (elements,); `lengths` in
     m; `heights` and `axes`, see `SpaceElements`; `regularisation`, share of the elastic stiffness
-    beside hinges that yield.
+    beside hinges that yield; which ends are `pinned` (elements, 2).
     """
 
     kernels: Any = hinge_kernels
@@ -94,11 +100,13 @@ class SpaceSuperelements(SpaceElements):
         heights: ArrayLike,
         axes: ArrayLike | None = None,
         regularisation: float = 1e-6,
+        pinned: Sequence[tuple[bool, bool]] = (),
     ) -> None:
         count = len(of)
         self._orient(count, heights, axes)
         strength = np.array([[*bar.strength, *bar.strength[1:]] for bar in bars])[of]
-        stiffness = np.stack([bars[i].stiffness(L) for i, L in zip(of, lengths, strict=True)])
+        each = zip(of, lengths, pinned or [(False, False)] * count, strict=True)
+        stiffness = np.stack([bars[i].stiffness(length, pins) for i, length, pins in each])
         torsion = np.array([bar.torsion for bar in bars])[of] / lengths
         surfaces = np.array([bar.surface.record for bar in bars])
         scaled = stiffness / (strength[:, :, None] * strength[:, None, :])
@@ -115,11 +123,10 @@ class SpaceSuperelements(SpaceElements):
         mass, rotary = np.array([[bar.mass, bar.rotary] for bar in bars])[of].T
         super().__init__(nodes, state, mass, rotary / mass)
 
-    def plastic_rotations(self) -> Array:
-        """Committed plastic rotation of both hinges about the structure's z axis (elements,)."""
+    def plastic_turns(self) -> Array:
+        """Committed plastic rotation of both hinges about both axes of the section (elements, 2)."""
         plastic = self._old.plastic
-        turns = plastic[..., [4, 3]] - plastic[..., [2, 1]]
-        return np.asarray(np.sum(turns * self.rest[:, 2, 1:], axis=-1))
+        return np.asarray(plastic[..., [4, 3]] - plastic[..., [2, 1]])
 
     def own_tables(self) -> SpaceBars:
         """Tables for the kernels, with scratch of their own."""
