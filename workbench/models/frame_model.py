@@ -212,6 +212,12 @@ class FrameModel(ABC, Declared, table="option"):
         fewest = np.ceil(frame.lengths * np.sqrt(slenderness)).astype(int)
         return [max(pair) for pair in zip(counts, fewest.tolist(), strict=True)]
 
+    def lengths(self, scenario: FrameScenario | ColumnScenario) -> list[Array]:
+        """Lengths of equal bars (m) of every member."""
+        event = as_frame(scenario)
+        pairs = zip(event.frame.lengths.tolist(), self.parts(event), strict=True)
+        return [np.full(count, length / count) for length, count in pairs]
+
     def time_spans(self, scenario: FrameImpact) -> Spans:
         """End times and time steps (s) of the parts of the record of an impact.
 

@@ -9,7 +9,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from workbench.base.arrays import Array
 from workbench.base.fields import Number, checked
 from workbench.mechanics.frames.structure import FrameStructure
 from workbench.mechanics.structures.space import SpaceBar, SpaceSuperelements
@@ -18,12 +17,11 @@ from workbench.models.frame_model import (
     REGULARISATION,
     TIME_STEP,
     Clock,
-    as_frame,
 )
 from workbench.models.references.fiber_space import Placed, SpaceModel, surface_in_space
 from workbench.models.superelements import SHARE, march
 from workbench.responses import Response
-from workbench.scenarios import ColumnScenario, FrameImpact, FrameScenario
+from workbench.scenarios import FrameImpact
 from workbench.steel.sections.slenderness import torsion_constants
 
 
@@ -44,6 +42,7 @@ class SuperelementSpace(SpaceModel):
     name: ClassVar[str] = "superelement-space"
     version: ClassVar[int] = 3
     pins: ClassVar[bool] = True
+    sampled: ClassVar[float] = 0.0
     geometry = "co-rotational"
     least_parts: ClassVar[int] = 2
     sources: ClassVar[tuple[str, ...]] = ("heng2017", "battini-pacoste2002")
@@ -58,12 +57,6 @@ class SuperelementSpace(SpaceModel):
 
     def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
         return march(self, scenario, structure, clock.timed)
-
-    def lengths(self, scenario: FrameScenario | ColumnScenario) -> list[Array]:
-        """Lengths of equal bars (m) of every member."""
-        event = as_frame(scenario)
-        pairs = zip(event.frame.lengths.tolist(), self.parts(event), strict=True)
-        return [np.full(count, length / count) for length, count in pairs]
 
     def bars(self, placed: Placed) -> SpaceSuperelements:
         """The superelements of a frame in space."""
@@ -89,4 +82,4 @@ class SuperelementSpace(SpaceModel):
             for side, joint in enumerate(frame.joints_of(member)):
                 pinned[ends[side], side] = joint.rotational_stiffness == 0.0
         given = mesh.nodes, mesh.member, bars, mesh.lengths, placed.heights, placed.axes
-        return SpaceSuperelements(*given, self.regularisation, pinned.tolist())
+        return SpaceSuperelements(*given, self.regularisation, pinned)

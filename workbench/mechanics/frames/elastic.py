@@ -81,7 +81,9 @@ class ElasticFrame:
         held = []
         for number, node in enumerate(frame.nodes):
             dofs = each * number + np.arange(each)
-            self.mass[dofs, dofs] += np.repeat([node.mass, node.rotary_inertia], [each - turns, turns])
+            self.mass[dofs, dofs] += np.repeat(
+                [node.mass, node.rotary_inertia], [each - turns, turns]
+            )
             parts_held = node.held + (node.held_beside if frame.spatial else ())
             held += [dofs[self.places[component]] for component in parts_held]
             if springs:
@@ -219,9 +221,7 @@ def _axes(frame: Frame, number: int) -> Array:
     return np.asarray(scipy.linalg.block_diag(rows, rows))
 
 
-def _beam(
-    frame: Frame, member: Member, axial: float, length: float, softer: float = 0.0
-) -> Array:
+def _beam(frame: Frame, member: Member, axial: float, length: float, softer: float = 0.0) -> Array:
     """Stiffness of `length` (m) of a member in local axes, `axial` in N/m.
 
     `softer`, Timoshenko's ratio of bending to shear stiffness, see `_stiffness`.

@@ -125,7 +125,7 @@ class Snapshots:
         drawn = np.stack([shapes[row] for row in rows], axis=-1)  # (members, points, axes, times)
         return {
             "snapshot_at": shown,
-            **{f"shape_{axis}": drawn[:, :, k] for k, axis in zip(range(drawn.shape[2]), "xyz")},
+            **{f"shape_{'xyz'[k]}": drawn[:, :, k] for k in range(drawn.shape[2])},
             "utilisation": np.stack([used[row] for row in rows], axis=-1),
         }
 

@@ -56,7 +56,6 @@ from workbench.scenarios.parts import HELD_BESIDE, PINNED, RIGID
 from workbench.steel.hinges import BiaxialSurface
 from workbench.steel.sections.slenderness import torsion_constants
 
-
 BESIDE = {"sideways": "w", "twist": "turn_y"}  # histories of a column by component
 NAMED = 4  # parts that a sentence names
 surface_in_space = lru_cache(maxsize=256)(BiaxialSurface)
@@ -75,7 +74,9 @@ class SpaceMembers(FiberMembers):
         sections = [frame.strength_section(member).about("strong") for member in frame.members]
         rows = np.repeat([list(dict.fromkeys(sections)).index(each) for each in sections], 2)
         surfaces = enumerate(dict.fromkeys(sections))
-        self._surfaces = [(surface_in_space(each), np.flatnonzero(rows == i)) for i, each in surfaces]
+        self._surfaces = [
+            (surface_in_space(each), np.flatnonzero(rows == i)) for i, each in surfaces
+        ]
 
     def moments(self) -> Array:
         """Bending moments (hinges,)."""
@@ -117,15 +118,15 @@ class Placed(NamedTuple):
     axes: Array
 
     def stand(
-        self, beams: SpaceElements, held: Iterable[tuple[int, str]], sampled: float, *, column: bool
+        self, beams: SpaceElements, held: Iterable[tuple[str, str]], sampled: float, *, column: bool
     ) -> FrameStructure:
         """Bring the dead loads on the elements. Raises `SolverError`.
 
         Arguments: what is `held` beside a plane, nodes and components; `sampled`, where an element
         samples plasticity, from its end over its length; whether it stands for a `column`.
         """
-        assembly = SpaceAssembly(in_space(self.mesh.coordinates), [beams])
-        assembly.hold([assembly.dof(*each) for each in held])
+        assembly = SpaceAssembly(self.mesh.coordinates, [beams])
+        assembly.hold([assembly.dof(self.frame.number[name], part) for name, part in held])
         members = SpaceMembers(self, beams, sampled, resultant=not column)
         structure = apply_dead_loads(self.frame, assembly, members)
         if not column:
@@ -136,6 +137,11 @@ class Placed(NamedTuple):
         return replace(column_structure, watched={**column_structure.watched, **beside})
 
 
+def _meshed(frame: Frame, lengths: list[Array]) -> FrameMesh:
+    mesh = mesh_frame(frame, lengths)
+    return mesh._replace(coordinates=in_space(mesh.coordinates))
+
+
 def place_column(scenario: ColumnImpact, lengths: list[Array]) -> Placed:
     """A column whose section is turned away from the hit; `lengths` (m) of its elements.
 
@@ -144,7 +150,7 @@ def place_column(scenario: ColumnImpact, lengths: list[Array]) -> Placed:
     column = scenario.column.bent_about("strong")
     angle = scenario.striker.angle + (0.5 * pi if scenario.column.axis == "weak" else 0.0)
     frame = as_frame(scenario.unchecked(column=column)).frame
-    mesh = mesh_frame(frame, lengths)
+    mesh = _meshed(frame, lengths)
     c, s = cos(angle), sin(angle)
     turned = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
     supports = np.isin(mesh.nodes, [frame.number[name] for name in ("base", "head")])
@@ -155,23 +161,25 @@ def place_column(scenario: ColumnImpact, lengths: list[Array]) -> Placed:
 def place_frame(frame: Frame, lengths: list[Array]) -> Placed:
     """A frame in space; `lengths` (m) of its elements, which know by themselves where pins are."""
     members = (m.unchecked(joint_start=RIGID.name, joint_end=RIGID.name) for m in frame.members)
-    mesh = mesh_frame(frame.unchecked(members=tuple(members)), lengths)
+    mesh = _meshed(frame.unchecked(members=tuple(members)), lengths)
     axes = np.broadcast_to(np.eye(3), (len(mesh.nodes), 2, 3, 3))
     return Placed(frame, mesh, frame.heights[mesh.member], axes)
 
 
-def held_beside(scenario: ColumnImpact | FrameScenario, frame: Frame) -> Iterator[tuple[int, str]]:
-    """Nodes and what supports hold of them beside a plane."""
-    if isinstance(scenario, ColumnImpact):
-        ends = scenario.column.bent_about("strong").ends_about("weak")
-        for name, end in zip(("base", "head"), ends, strict=True):
-            turn = [] if end == "pinned" else ["turn_x"]
-            yield from ((frame.number[name], part) for part in ("w", "turn_y", *turn))
-        return
-    for number, node in enumerate(frame.nodes):
-        yield from ((number, part) for part in node.held_beside)
+def held_by_ends(scenario: ColumnImpact) -> Iterator[tuple[str, str]]:
+    """Nodes and what the ends of a column hold of them beside the plane of the hit."""
+    ends = scenario.column.bent_about("strong").ends_about("weak")
+    for name, end in zip(("base", "head"), ends, strict=True):
+        turn = [] if end == "pinned" else ["turn_x"]
+        yield from ((name, part) for part in ("w", "turn_y", *turn))
+
+
+def held_beside(frame: Frame) -> Iterator[tuple[str, str]]:
+    """Nodes and what supports hold of them beside a plane, and turns that nothing resists."""
+    for node in frame.nodes:
+        yield from ((node.name, part) for part in node.held_beside)
     for number in free_to_spin(frame):
-        yield from ((number, part) for part in ("turn_x", "turn_y"))
+        yield from ((frame.nodes[number].name, part) for part in ("turn_x", "turn_y"))
 
 
 class SpaceModel(FrameModel):
@@ -183,11 +191,7 @@ class SpaceModel(FrameModel):
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, FrameImpact.KIND, FramePulse.KIND)
     spatial: ClassVar[bool] = True
     pins: ClassVar[bool] = False
-    sampled: Any = 0.0
-
-    @abstractmethod
-    def lengths(self, scenario: ColumnScenario | FrameScenario) -> list[Array]:
-        """Element lengths (m) of every member."""
+    sampled: ClassVar[float]
 
     @abstractmethod
     def bars(self, placed: Placed) -> SpaceElements:
@@ -199,25 +203,29 @@ class SpaceModel(FrameModel):
         rubs = [finding("face-friction", friction, name=self.name)] if friction > 0.0 else []
         if isinstance(scenario, ColumnImpact):
             return super().domain(scenario.unchecked(column=scenario.column.weaker)) + rubs
-        unknown = space_parts(scenario, pins=self.pins)
+        event = as_frame(scenario)
+        unknown = space_parts(event, pins=self.pins)
         if unknown:
             parts = ", ".join(unknown[:NAMED])
             return [finding("space-parts", len(unknown), name=self.name, parts=parts)]
-        return super().domain(facing(scenario)) + rubs
+        return super().domain(facing(event)) + rubs
 
     def structure(self, scenario: ColumnScenario | FrameScenario) -> FrameStructure:
         """The column or frame under its dead loads. Raises `SolverError`."""
         lengths, column = self.lengths(scenario), isinstance(scenario, ColumnImpact)
-        place: Any = place_column if column else place_frame
-        placed = place(scenario if column else scenario.frame, lengths)
-        held = held_beside(scenario, placed.frame)
+        if isinstance(scenario, ColumnImpact):
+            placed, held = place_column(scenario, lengths), held_by_ends(scenario)
+        else:
+            frame = as_frame(scenario).frame
+            placed, held = place_frame(frame, lengths), held_beside(frame)
         return placed.stand(self.bars(placed), held, self.sampled, column=column)
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
         """Answer a scenario that is in the domain; raises as `FrameModel.solve`."""
         if isinstance(scenario, ColumnImpact):
             return self.run(as_frame(scenario), self.structure(scenario))
-        event, turn = facing(scenario), azimuth(scenario)
+        frame = as_frame(scenario)
+        event, turn = facing(frame), azimuth(frame)
         response = self.run(event, self.structure(event))
         x, z = response["shape_x"], response["shape_z"]
         moved = cos(turn) * x - sin(turn) * z, cos(turn) * z + sin(turn) * x

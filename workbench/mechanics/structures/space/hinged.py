@@ -7,11 +7,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from workbench.base.arrays import Array, Indices
+from workbench.base.arrays import Array, Flags, Indices
 from workbench.mechanics.structures.space import hinge_kernels
 from workbench.mechanics.structures.space.beams import SpaceElements
 from workbench.steel.hinges import BiaxialSurface
 from workbench.steel.hinges.biaxial_kernels import ROOM
+
+NO_PINS = np.zeros(2, dtype=bool)
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,7 @@ class SpaceBar:
     mass: float
     rotary: float
 
-    def stiffness(self, length: float, pinned: tuple[bool, bool] = (False, False)) -> Array:
+    def stiffness(self, length: float, pinned: Flags = NO_PINS) -> Array:
         """Elastic stiffness of N and both moments at the start and at the end (5, 5).
 
         Ends that are `pinned` carry no moment.
@@ -100,13 +102,14 @@ class SpaceSuperelements(SpaceElements):
         heights: ArrayLike,
         axes: ArrayLike | None = None,
         regularisation: float = 1e-6,
-        pinned: Sequence[tuple[bool, bool]] = (),
+        pinned: Flags | None = None,
     ) -> None:
         count = len(of)
         self._orient(count, heights, axes)
         strength = np.array([[*bar.strength, *bar.strength[1:]] for bar in bars])[of]
-        each = zip(of, lengths, pinned or [(False, False)] * count, strict=True)
-        stiffness = np.stack([bars[i].stiffness(length, pins) for i, length, pins in each])
+        pins = np.zeros((count, 2), dtype=bool) if pinned is None else pinned
+        each = zip(of, lengths, pins, strict=True)
+        stiffness = np.stack([bars[i].stiffness(length, ends) for i, length, ends in each])
         torsion = np.array([bar.torsion for bar in bars])[of] / lengths
         surfaces = np.array([bar.surface.record for bar in bars])
         scaled = stiffness / (strength[:, :, None] * strength[:, None, :])
@@ -124,7 +127,7 @@ class SpaceSuperelements(SpaceElements):
         super().__init__(nodes, state, mass, rotary / mass)
 
     def plastic_turns(self) -> Array:
-        """Committed plastic rotation of both hinges about both axes of the section (elements, 2)."""
+        """Committed plastic rotations of both hinges about both axes (elements, 2)."""
         plastic = self._old.plastic
         return np.asarray(plastic[..., [4, 3]] - plastic[..., [2, 1]])
 
