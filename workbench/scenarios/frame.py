@@ -183,10 +183,14 @@ class Frame(MadeOfSteel, table="frame"):
         return any(node.z for node in self.nodes) or any(member.roll for member in self.members)
 
     @of_geometry
+    def places(self) -> Array:
+        """Coordinates of the nodes (nodes, 3), in m."""
+        return np.array([(node.x, node.y, node.z) for node in self.nodes], dtype=float)
+
+    @of_geometry
     def points(self) -> Array:
         """Coordinates of the nodes (nodes, 2), or (nodes, 3) of a frame in space, in m."""
-        places = np.array([(node.x, node.y, node.z) for node in self.nodes], dtype=float)
-        return places if self.spatial else places[:, :2]
+        return self.places if self.spatial else self.places[:, :2]
 
     @of_geometry
     def directions(self) -> Array:
@@ -194,8 +198,8 @@ class Frame(MadeOfSteel, table="frame"):
 
         From start to end, upright (of an upright member along x), and across both.
         """
-        along = np.zeros((len(self.members), 3))
-        along[:, : self.chords.shape[1]] = self.chords / self.lengths[:, None]
+        start, end = self.places[self.ends.T]
+        along = (end - start) / self.lengths[:, None]
         stands = np.hypot(along[:, 0], along[:, 2]) < UPRIGHT * np.abs(along[:, 1])
         side = np.where(stands[:, None], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
         side -= np.sum(side * along, axis=1)[:, None] * along
@@ -386,10 +390,9 @@ def _check_supported(frame: Frame) -> None:
 
     Springs and locks act only once the dead loads are on, which the supports carry before.
     """
-    centre, size = frame.points.mean(axis=0), frame.extent
+    centre, size = frame.places.mean(axis=0), frame.extent
     rows, loaded = [], frame.loads or any(frame.gravity) or frame.line_loads.any()
-    places = np.zeros((len(frame.nodes), 3))
-    places[:, : len(centre)] = (frame.points - centre) / size
+    places = (frame.places - centre) / size
     for node, (x, y, z) in zip(frame.nodes, places, strict=True):
         held = set(node.held) if loaded else node.resisted
         turns = {"rotation", "turn_x", "turn_y"}
@@ -422,7 +425,7 @@ def _check_supported(frame: Frame) -> None:
 def _motion_text(motion: Array, centre: Array, size: float) -> str:
     along_x, along_y, turn = (float(value) for value in motion)
     if abs(turn) * size > FREE:
-        x, y = centre + np.array([-along_y, along_x]) / turn
+        x, y = centre[:2] + np.array([-along_y, along_x]) / turn
         return f"turn about x = {round(x, 3) + 0.0:g} m, y = {round(y, 3) + 0.0:g} m"
     if abs(along_y) < FREE:
         return "slide along x"

@@ -376,8 +376,7 @@ def frame_scenario(
     if not isinstance(scenario, ColumnPushover) and scenario.acceleration:
         frame, weighs = frame.changed(gravity=(scenario.acceleration, 0.0)), True
     if isinstance(scenario, ColumnImpact):
-        given = scenario.striker.unchecked(angle=0.0)  # the section is turned, not the flight
-        striker = FrameStriker(*astuple(given), node="hit", direction="+x")
+        striker = FrameStriker(*astuple(scenario.striker), node="hit", direction="+x")
         return FrameImpact(name, frame, striker, scenario.duration, weighs)
     pattern = (Load("hit", x=1.0),)
     if isinstance(scenario, ColumnPushover):

@@ -4,8 +4,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from workbench.base.arrays import Array
 from workbench.base.errors import InputError
 from workbench.report.drawing.shapes import Shapes, shapes_of
 from workbench.responses import Response
@@ -44,19 +44,19 @@ def write_shapes(path: Path, scenario: Scenario, response: Response) -> None:
 
 def _vtu(shapes: Shapes, snapshot: int) -> bytes:
     """The members in one snapshot, each a polyline."""
-    members, points = shapes.rest.shape
-    moved = shapes.curves[..., snapshot] - shapes.rest
+    rest = shapes.rest_places
+    _, members, points = rest.shape
     root, grid = _file("UnstructuredGrid")
     sizes = {"NumberOfPoints": str(members * points), "NumberOfCells": str(members)}
     piece = ElementTree.SubElement(grid, "Piece", sizes)
-    _arrays(piece, "Points", {"": _in_space(shapes.rest)})
+    _arrays(piece, "Points", {"": _rows(rest)})
     cells = {
         "connectivity": np.arange(members * points),
         "offsets": points * np.arange(1, members + 1),
         "types": np.full(members, _POLYLINE),
     }
     _arrays(piece, "Cells", cells)
-    states = {"displacement": _in_space(moved)}
+    states = {"displacement": _rows(shapes.places[..., snapshot] - rest)}
     if shapes.hinges:
         states["utilisation"] = _at_ends(shapes, snapshot)
     _arrays(piece, "PointData", states)
@@ -64,10 +64,9 @@ def _vtu(shapes: Shapes, snapshot: int) -> bytes:
     return _bytes(root)
 
 
-def _in_space(complex_points: ArrayLike) -> np.ndarray:
-    """Points (n, 3) of x + iy."""
-    z = np.ravel(complex_points)
-    return np.stack([z.real, z.imag, np.zeros(len(z))], axis=1)
+def _rows(places: Array) -> Array:
+    """Points (members * points, 3) of places (3, members, points)."""
+    return places.reshape(3, -1).T
 
 
 def _at_ends(shapes: Shapes, snapshot: int) -> np.ndarray:

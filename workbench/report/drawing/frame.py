@@ -1,6 +1,6 @@
 """A frame and where its parts stand on paper: inches, free sides, levels.
 
-Points and directions are complex numbers, x + iy.
+Points and directions are complex numbers, x + iy; z comes towards the viewer, see `on_paper`.
 
 Symbols of structures: supports, springs, arrows, dimension lines, sections.
 
@@ -14,6 +14,7 @@ A frame on paper, in inches: members, supports, dead loads, and the actions of s
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import cos, sin
 from typing import Any
 
 import numpy as np
@@ -53,22 +54,39 @@ _WIDE, _HIGH, _UPRIGHT = 4.2, 2.9, 2.4  # inches that a frame, and a single colu
 _SAME = 1e-6  # m
 
 
+RECEDES = 0.45 * np.exp(0.7j)  # place on paper of what lies 1 m behind, of a frame in space
+
+
+def on_paper(x: Any, y: Any, z: Any = 0.0) -> Any:
+    """Places in m as complex numbers, in an oblique view of what has a depth."""
+    return x + 1j * np.asarray(y) - RECEDES * np.asarray(z)
+
+
+def node_on_paper(node: Node) -> complex:
+    """The place of a node, in m."""
+    return complex(on_paper(node.x, node.y, node.z))
+
+
 @dataclass(frozen=True)
 class Layout:
-    """A `frame` drawn at `scale` (inches per m), its node of least x and y at the origin."""
+    """A `frame` drawn at `scale` (inches per m), its lower left corner at the origin."""
 
     frame: Frame
 
     @cached_property
+    def places(self) -> NDArray[np.complex128]:
+        """Places of all nodes, in m."""
+        return np.array([node_on_paper(node) for node in self.frame.nodes])
+
+    @cached_property
     def origin(self) -> complex:
-        """Least x and y of all nodes, in m."""
-        return complex(min(n.x for n in self.frame.nodes), min(n.y for n in self.frame.nodes))
+        """Lower left corner of all nodes, in m."""
+        return complex(self.places.real.min(), self.places.imag.min())
 
     @cached_property
     def extent(self) -> complex:
         """Width and height between nodes, in m."""
-        nodes = self.frame.nodes
-        return complex(max(n.x for n in nodes), max(n.y for n in nodes)) - self.origin
+        return complex(self.places.real.max(), self.places.imag.max()) - self.origin
 
     @cached_property
     def scale(self) -> float:
@@ -84,8 +102,7 @@ class Layout:
 
     def at(self, node: str) -> complex:
         """Position of a node, in inches."""
-        place = self.frame.node(node)
-        return (complex(place.x, place.y) - self.origin) * self.scale
+        return (node_on_paper(self.frame.node(node)) - self.origin) * self.scale
 
     def depth(self, member: Member) -> float:
         """Depth of a member as drawn, in inches."""
@@ -332,6 +349,14 @@ _DOT: Style = {"facecolor": INK, "edgecolor": "white", "linewidth": 0.6}
 DIRECTIONS = {"+x": 1.0 + 0j, "-x": -1.0 + 0j, "+y": 1j, "-y": -1j}
 
 
+def way_on_paper(frame: Frame, part: Any) -> complex:
+    """Unit vector along which a striker flies or a pulse acts."""
+    along = DIRECTIONS[part.direction]
+    if frame.spatial:
+        along = complex(on_paper(along.real * cos(part.angle), along.imag, sin(part.angle)))
+    return along / abs(along)
+
+
 def draw_frame(panel: Axes, layout: Layout, named: Sequence[str] = ()) -> None:
     """Draw the frame at rest; nodes in `named` get their names even where there are many."""
     frame = layout.frame
@@ -502,14 +527,13 @@ def targets(scenarios: Sequence[FrameScenario]) -> list[str]:
 
 
 def _strikers(panel: Axes, layout: Layout, impacts: Sequence[FrameImpact]) -> list[str]:
-    strikers_at: dict[tuple[str, str], list[FrameImpact]] = {}
+    strikers_at: dict[tuple[str, complex], list[FrameImpact]] = {}
     for impact in impacts:
-        place = impact.striker.node, impact.striker.direction
+        place = impact.striker.node, way_on_paper(layout.frame, impact.striker)
         strikers_at.setdefault(place, []).append(impact)
     notes: list[str] = []
-    for node, direction in first(list(strikers_at), _MOST, "places that are hit", notes):
-        strikers = [impact.striker for impact in strikers_at[node, direction]]
-        along = DIRECTIONS[direction]
+    for node, along in first(list(strikers_at), _MOST, "places that are hit", notes):
+        strikers = [impact.striker for impact in strikers_at[node, along]]
         end = layout.edge(node, -along, 0.01 + _beyond(layout, node, along))
         start = end - _WAY * along
         middle = start - 0.5 * _BOX * along
@@ -566,7 +590,7 @@ def _pulses(panel: Axes, layout: Layout, pulses: Sequence[FramePulse]) -> list[s
     for load in shown.loads:
         away = _beyond(layout, load.node, complex(load.x, load.y))
         load_arrows(panel, layout, load, ACTION, "p(t)", away)
-    along = DIRECTIONS[shown.direction]
+    along = way_on_paper(layout.frame, shown)
     for member in (layout.frame.member(name) for name in shown.members):
         start, end = layout.at(member.start), layout.at(member.end)
         for share in _LINE_LOAD_ARROWS:

@@ -14,7 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.base.errors import InputError
-from workbench.report.drawing.frame import displacement_unit, frame_scenario_of
+from workbench.report.drawing.frame import (
+    displacement_unit,
+    frame_scenario_of,
+    node_on_paper,
+    on_paper,
+)
 from workbench.report.drawing.sheet import Absences, Array, Request
 from workbench.report.drawing.style import PALETTE
 from workbench.report.page.formatting import NO_BREAK, THIN, number
@@ -32,7 +37,7 @@ _SMALL, _SHOWN = 0.015, 0.05  # of the size of the frame: too small to see; show
 
 def rest_lines(frame: Frame, points: int = 2) -> Points:
     """Members at rest, complex places (members, points) in m from their start to their end."""
-    nodes = {node.name: complex(node.x, node.y) for node in frame.nodes}
+    nodes = {node.name: node_on_paper(node) for node in frame.nodes}
     ends = np.array([(nodes[m.start], nodes[m.end]) for m in frame.members])
     lines: Points = ends[:, :1] + np.linspace(0.0, 1.0, points) * (ends[:, 1:] - ends[:, :1])
     return lines
@@ -42,16 +47,16 @@ def rest_lines(frame: Frame, points: int = 2) -> Points:
 class Shapes:
     """Deformed shapes of one response.
 
-    Arguments: `scenario`; `history`, time or step; `at` (snapshots,) in s or steps; `curves`
-    (members, points, snapshots); `moved` (snapshots,), the displacement that the scenario
-    follows; `hinges` and their `used` (hinges, snapshots), the N-M utilisation (no hinges: not
-    known); `chords`, whether only the ends of straight lines are known.
+    Arguments: `scenario`; `history`, time or step; `at` (snapshots,) in s or steps; `places` in m
+    (x, y and z, members, points, snapshots); `moved` (snapshots,), the displacement that the
+    scenario follows; `hinges` and their `used` (hinges, snapshots), the N-M utilisation (no
+    hinges: not known); `chords`, whether only the ends of straight lines are known.
     """
 
     scenario: FrameScenario
     history: str
     at: Array
-    curves: Points
+    places: Array
     moved: Array
     hinges: tuple[str, ...] = ()
     used: Array = field(default_factory=lambda: np.empty((0, 0)))
@@ -62,15 +67,28 @@ class Shapes:
         """The frame at rest."""
         return self.scenario.frame
 
+    @cached_property
+    def curves(self) -> Points:
+        """The members (members, points, snapshots) on paper, without the depth of a plane frame."""
+        x, y, z = self.places
+        return np.asarray(on_paper(x, y, z if self.frame.spatial else 0.0))
+
     @property
     def peak(self) -> int:
         """The snapshot of the largest displacement."""
         return int(np.argmax(np.abs(self.moved)))
 
     @cached_property
+    def rest_places(self) -> Array:
+        """Places at rest in m (x, y and z, members, points)."""
+        start, end = self.frame.places[self.frame.ends.T]
+        share = np.linspace(0.0, 1.0, self.places.shape[2])
+        return np.moveaxis(start[:, None] + share[:, None] * (end - start)[:, None], -1, 0)
+
+    @cached_property
     def rest(self) -> Points:
         """The members (members, points) at rest."""
-        return rest_lines(self.frame, self.curves.shape[1])
+        return rest_lines(self.frame, self.places.shape[2])
 
     @property
     def size(self) -> float:
@@ -108,7 +126,7 @@ class Shapes:
 
     def numbers(self, instant: str | float) -> Iterator[dict[str, Any]]:
         """Yield the numbers of a drawn shape: points of the members, then states of their ends."""
-        snapshot, points = self.index(instant), self.curves.shape[1]
+        snapshot, points = self.index(instant), self.places.shape[2]
         head = {"instant": str(instant), self.history: self.at[snapshot]}
         names = [member.name for member in self.frame.members]
         place = {
@@ -116,7 +134,8 @@ class Shapes:
             "point": np.tile(np.linspace(0.0, 1.0, points), len(names)),
         }
         drawn = self.curves[..., snapshot].ravel()
-        yield {**head, **place, "x_m": drawn.real, "y_m": drawn.imag}
+        paper = "on_paper_" if self.frame.spatial else ""
+        yield {**head, **place, f"{paper}x_m": drawn.real, f"{paper}y_m": drawn.imag}
         if self.hinges:
             yield {**head, "hinge": list(self.hinges), "utilisation": self.used[:, snapshot]}
 
@@ -189,18 +208,21 @@ def shapes_of(scenario: Scenario, response: Response) -> Shapes | None:
     when, moved = (response[name].values.astype(float) for name in (history, "displacement"))
     if "shape_x" in response:
         at = response["snapshot_at"].values.astype(float)
-        curves = response["shape_x"].values + 1j * response["shape_y"].values
+        x, y = response["shape_x"].values, response["shape_y"].values
+        z = response["shape_z"].values if "shape_z" in response else np.zeros_like(x)
         states: dict[str, Any] = {}
         if "utilisation" in response:
             states["hinges"] = tuple(str(name) for name in response["hinge"].values)
             states["used"] = response["utilisation"].values.astype(float)
-        return Shapes(on_frame, history, at, curves, np.interp(at, when, moved), **states)
+        places = np.stack([x, y, z])
+        return Shapes(on_frame, history, at, places, np.interp(at, when, moved), **states)
     if "shortening" in response and isinstance(scenario, ColumnScenario):
         even = np.linspace(0, len(when) - 1, min(_CHORDS, len(when))).round().astype(int)
         few = np.unique([*even, int(np.argmax(np.abs(moved)))])
         down = response["shortening"].values.astype(float)[few]
         curves = _chords(scenario.column, moved[few], down)
-        return Shapes(on_frame, history, when[few], curves, moved[few], chords=True)
+        places = np.stack([curves.real, curves.imag, np.zeros(curves.shape)])
+        return Shapes(on_frame, history, when[few], places, moved[few], chords=True)
     return None
 
 

@@ -39,7 +39,7 @@ from matplotlib.ticker import MaxNLocator
 from workbench.report.chapters import answer, results
 from workbench.report.chapters.answer import GOOD, matrix_rows, time_against
 from workbench.report.chapters.choice import FAIR
-from workbench.report.drawing.frame import DIRECTIONS, frame_scenario_of
+from workbench.report.drawing.frame import frame_scenario_of, node_on_paper, way_on_paper
 from workbench.report.drawing.shapes import REST, YIELDING, magnification, rest_lines
 from workbench.report.drawing.style import GRID, INK, INTERVAL, MUTED, looks
 from workbench.report.explorer.cells import (
@@ -195,8 +195,8 @@ def _structure(case: Case, answers: Sequence[_Answer]) -> dict[str, Any]:
         return [z.imag, z.real - foot] if upright else [z.real, z.imag]
 
     if isinstance(scenario, FrameImpact):
-        node, along = frame.node(scenario.striker.node), DIRECTIONS[scenario.striker.direction]
-        tip = complex(node.x, node.y)
+        tip = node_on_paper(frame.node(scenario.striker.node))
+        along = way_on_paper(frame, scenario.striker)
         size = max(np.ptp(lines.real), np.ptp(lines.imag))
         hit = {"hit": [*place(tip - 0.12 * size * along), *place(tip)]}
     shapes = [cell.record.shapes for cell in answers if cell.record and cell.record.shapes]
@@ -204,7 +204,7 @@ def _structure(case: Case, answers: Sequence[_Answer]) -> dict[str, Any]:
     return {
         "rest": [[*place(start), *place(end)] for start, end in lines],
         "held": [
-            [*place(complex(n.x, n.y)), "square" if n.support == "clamped" else "circle"]
+            [*place(node_on_paper(n)), "square" if n.support == "clamped" else "circle"]
             for n in frame.nodes
             if n.support != "free"
         ],

@@ -16,6 +16,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize, to_hex
 
+from workbench.report.drawing.frame import node_on_paper
 from workbench.report.drawing.shapes import (
     REST,
     YIELDING,
@@ -180,7 +181,7 @@ def _panel(panel: Axes, row: _Row, snapshot: int) -> None:
     for drawn, color, width in ((shapes.rest, REST, 0.9), (curves, INK, 1.2)):
         lines = [np.column_stack([curve.real, curve.imag]) for curve in drawn]
         panel.add_collection(LineCollection(lines, colors=color, linewidths=width))
-    nodes = np.array([complex(node.x, node.y) for node in shapes.frame.nodes])
+    nodes = np.array([node_on_paper(node) for node in shapes.frame.nodes])
     _mark_supports(panel, shapes, nodes, MUTED, 3.4)
     wide, tall, size = window.wide, window.tall, window.size
     if shapes.hinges:
@@ -283,7 +284,7 @@ def _lying(
         shapes = next(iter(by_label.values()))
         for curve in _laid(shapes, shapes.rest):
             panel.plot(curve.real, curve.imag, **_REST, zorder=1)
-        nodes = np.array([complex(node.x, node.y) for node in shapes.frame.nodes])
+        nodes = np.array([node_on_paper(node) for node in shapes.frame.nodes])
         _mark_supports(panel, shapes, _laid(shapes, nodes), INK, 4.0)
         for label, shapes in by_label.items():
             look = request.looks[label]

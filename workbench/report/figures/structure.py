@@ -99,6 +99,9 @@ def _draw_structure(panel: Axes, frame: Frame, scenarios: list[FrameScenario]) -
     _draw_dimensions(panel, layout, hit, complex(_box(panel, top).x1 - 0.1, _box(panel).y0 + 0.12))
     corner = complex(_box(panel, top).x1 + 0.25, top + 0.1)
     notes = _draw_sections(panel, frame, corner, _plan_directions(scenarios)) + notes
+    if frame.spatial:
+        depths = ", ".join(text for _, _, text in spans(layout.levels("z")))
+        notes.append(f"Oblique view; depths towards the viewer: {depths}.")
     if layout.deepened:
         text = "Some members are drawn deeper than they are, so that they can be seen."
         notes.append(text)
@@ -145,16 +148,15 @@ def _arrange(canvas: Canvas, panels: list[Axes], boxes: list[Bbox]) -> float:
 
 def _members(frame: Frame) -> Iterator[dict[str, Any]]:
     """The numbers of each member."""
+    axes = "xyz" if frame.spatial else "xy"
     for member in frame.members:
         start, end = frame.node(member.start), frame.node(member.end)
         properties = list(asdict(frame.properties(member)).items())[: len(_UNITS)]
         yield {
             "member": member.name,
             "section": member.section.name,
-            "start_x_m": start.x,
-            "start_y_m": start.y,
-            "end_x_m": end.x,
-            "end_y_m": end.y,
+            **{f"start_{axis}_m": getattr(start, axis) for axis in axes},
+            **{f"end_{axis}_m": getattr(end, axis) for axis in axes},
             "length_m": frame.length(member),
             "joint_start": member.joint_start,
             "joint_end": member.joint_end,
@@ -178,10 +180,11 @@ def _draw_dimensions(panel: Axes, layout: Layout, further: Sequence[str], corner
 
     `corner`: right and lower end of what is drawn already.
     """
-    for axis, base, step, along, start in (
-        ("y", complex(corner.real), _ROW, 1j, layout.origin.imag),
-        ("x", complex(0.0, corner.imag), -1j * _ROW, 1.0, layout.origin.real),
+    for axis, base, step, along in (
+        ("y", complex(corner.real), _ROW, 1j),
+        ("x", complex(0.0, corner.imag), -1j * _ROW, 1.0),
     ):
+        start = min(getattr(node, axis) for node in layout.frame.nodes)
         main, fine = layout.levels(axis), layout.levels(axis, further)
         # chains of levels from the inner to the outer: with further nodes, without, overall
         chains = [fine] if len(fine) > len(main) else []
