@@ -15,11 +15,12 @@ from workbench.models.base import make_model
 from workbench.models.batch import simulate_many
 from workbench.models.elastic_springs import Springs, beam_springs
 from workbench.models.seven_dof.model import SevenDof
-from workbench.responses import Response, findings_of, outcome_of
+from workbench.responses import Response, finding, findings_of, outcome_of
 from workbench.scenarios import Column, ColumnImpact, Striker, scenario_from, to_toml
 from workbench.steel.materials import Steel
 from workbench.steel.sections import i_section, section_from
 from workbench.steel.sections.slenderness import torsion_constants
+from workbench.study.error_model.error_model import with_remedies
 
 STEEL = Steel(yield_stress=355e6)
 HEB, IPE = i_section(0.22, 0.22, 0.0095, 0.016), i_section(0.30, 0.15, 0.0071, 0.0107)
@@ -205,6 +206,17 @@ def test_what_is_not_alike_all_round_is_refused_off_the_plane() -> None:
         assert outcome_of(response).value == "out-of-domain"
         assert [each.subject for each in findings_of(response) if each.refusal] == ["direction"]
         assert list(simulate_many(make_model("four-dof"), [hit])["outcome"]) == ["out-of-domain"]
+
+
+@pytest.mark.parametrize("name", ["seven-dof", "superelement-space", "fiber-space"])
+def test_webs_that_shear_off_the_plane_are_for_shells(name: str) -> None:
+    model, hit = make_model(name), struck("HEB", 30.0)
+    told = [finding("mechanism-shear-beyond", 1.8, segment="below"), finding("error-not-measured", reason="of the plane")]
+    advice = with_remedies(model, hit, told)
+    assert [each.instead for each in advice] == [("shell",)] * 2
+    assert [each.remedy for each in advice] == ["take shell"] * 2
+    still = with_remedies(model, hit, told[1:])[0]
+    assert still.instead != ("shell",) or name == "fiber-space"
 
 
 def test_a_round_column_has_the_error_of_hits_in_the_plane() -> None:
