@@ -212,7 +212,8 @@ def test_what_is_not_alike_all_round_is_refused_off_the_plane() -> None:
 def test_webs_that_shear_off_the_plane_are_for_shells(name: str) -> None:
     model, hit = make_model(name), struck("HEB", 30.0)
     known = {"segment": "below", "reason": "of the plane"}
-    told = [finding(each, 1.8, **known) for each in ("mechanism-shear-beyond", "error-not-measured")]
+    names = "mechanism-shear-beyond", "error-not-measured"
+    told = [finding(each, 1.8, **known) for each in names]
     advice = with_remedies(model, hit, told)
     assert [each.instead for each in advice] == [("shell",)] * 2
     assert [each.remedy for each in advice] == ["take shell"] * 2
