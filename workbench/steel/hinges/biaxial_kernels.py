@@ -44,15 +44,18 @@ ROOM = np.dtype(
         ("force", float, 5),  # of both hinges, over the plastic forces
         ("tangent", float, (5, 5)),
         ("flow", float, 6),  # of the first and of the second hinge, J
-        ("aim", float, (2, 3)),  # normals that were met last: where the next search begins
+        # normals that were met last, where the next search begins: D there, gradient and Hessian
+        *(("aim", float, (2, 3)), ("cost", float, 2), ("met", float, (2, 3))),
+        ("hessian", float, (2, 3, 3)),
         *((name, float, 6) for name in ("old", "step", "gradient", "column")),
-        *(("hessian", float, (2, 3, 3)), ("matrix", float, (6, 6)), ("half", float, (5, 6))),
+        *(("matrix", float, (6, 6)), ("half", float, (5, 6))),
         *(("point", float, 3), ("bend", float, (3, 3))),  # gradient and Hessian of D in a gauge
         ("iterations", int),  # of the last projection
     ]
 )
 PLACE = np.array([0, 1, 2, 0, 3, 4])  # of the forces of both hinges among the five of a bar
 FAILED, ELASTIC = -1, 0  # else 1, 2 or 3: the first hinge flows, the second one, both
+_THIRD = 1.0 / 3.0  # divisions take most of the time of a support function
 _SHARED = 1e-9  # of the axial stiffness: holds how an elongation is shared by two hinges that flow
 _TINY, _NOTHING = 1e-14, 1e-100  # of the diagonal; forces over the plastic ones
 _OUTSIDE = 1.0 + 1e-10  # gauge from which on a hinge flows
@@ -73,21 +76,22 @@ def _of_rectangle(c, u, v):
     if a >= w + b:
         return a, sc, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if a <= b - w:
-        half, square = 0.5 / b, c * c + w * w / 3.0
-        mean, of_c, of_w = (square + b * b) * half, c / b, su * w / (3.0 * b)
-        of_b = sv * (0.5 - square * half / b)
-        cc, cw, cb = 1.0 / b, 0.0, -sv * c / (b * b)
-        ww, wb, bb = 1.0 / (3.0 * b), -su * sv * w / (3.0 * b * b), square / b**3
+        cc, third, square = 1.0 / b, w * _THIRD, c * c + w * w * _THIRD
+        mean, of_c, of_w = 0.5 * (square * cc + b), c * cc, su * third * cc
+        bb = square * cc * cc
+        of_b, bb = sv * (0.5 - 0.5 * bb), bb * cc
+        cw, cb, ww, wb = 0.0, -sv * of_c * cc, _THIRD * cc, -sv * of_w * cc
     else:
-        cut = w + b - a
-        p, q = cut / w, cut / b  # both below 2
-        mean, of_c = a + p * q * cut / 12.0, sc * (1.0 - 0.25 * p * q)
-        of_w, of_b = su * p * q * (0.25 - p / 12.0), sv * p * q * (0.25 - q / 12.0)
-        cc = 0.5 * p / b
-        cw, cb = -sc * su * (0.5 * q - 0.25 * p * q) / w, -sc * sv * (0.5 * p - 0.25 * p * q) / b
-        ww = q * (0.5 - 0.5 * p + p * p / 6.0) / w
-        bb = p * (0.5 - 0.5 * q + q * q / 6.0) / b
-        wb = su * sv * (0.5 * p - 0.25 * p * q - 0.25 * p * p + p * p * q / 12.0) / b
+        cut, one_w, one_b = w + b - a, 1.0 / w, 1.0 / b
+        p, q = cut * one_w, cut * one_b  # both below 2
+        quarter, sixth, twelfth = 0.25 * p * q, 0.5 * _THIRD, 0.25 * _THIRD
+        mean, of_c = a + _THIRD * quarter * cut, sc * (1.0 - quarter)
+        of_w, of_b = su * quarter * (1.0 - _THIRD * p), sv * quarter * (1.0 - _THIRD * q)
+        cc = 0.5 * p * one_b
+        cw, cb = -sc * su * (0.5 * q - quarter) * one_w, -sc * sv * (0.5 * p - quarter) * one_b
+        ww = q * (0.5 - 0.5 * p + p * p * sixth) * one_w
+        bb = p * (0.5 - 0.5 * q + q * q * sixth) * one_b
+        wb = su * sv * p * (0.5 - 0.25 * q - 0.25 * p + p * q * twelfth) * one_b
     if swapped:
         return mean, of_c, of_b, of_w, cc, cb, cw, bb, wb, ww
     return mean, of_c, of_w, of_b, cc, cw, cb, ww, wb, bb
@@ -251,14 +255,31 @@ def _is_outside(surface, n, y, z, hinge, room):
     """Whether a hinge flows under its forces; its `aim` turns towards the normal there."""
     if abs(n) + abs(y) + abs(z) <= 1.0:
         return False
-    q = room.column
+    q, aim = room.column, room.aim[hinge]
+    if n * aim[0] + y * aim[1] + z * aim[2] > _OUTSIDE * room.cost[hinge]:
+        return True
     q[0], q[1], q[2] = n, y, z
-    return gauge(surface, q, room.aim[hinge], room, True) > _OUTSIDE
+    outside = gauge(surface, q, aim, room, True) > _OUTSIDE
+    room.cost[hinge] = 0.0
+    for i in range(3):
+        room.cost[hinge] += aim[i] * room.point[i]
+        room.met[hinge, i] = room.point[i]
+        for j in range(3):
+            room.hessian[hinge, i, j] = room.bend[i, j]
+    return outside
 
 
 @njit(cache=True, error_model="numpy")
-def _evaluate(surface, K, trial, low, high, room):
-    """Forces at the flow, gradient and Hessian of J over what flows; the largest gradient."""
+def _meet(surface, low, high, room):
+    """Write D, its gradient and its Hessian at the flow of the hinges that do."""
+    for hinge in range(low // 3, high // 3):
+        flow, met = room.flow[3 * hinge : 3 * hinge + 3], room.met[hinge]
+        room.cost[hinge] = support(surface, flow, met, room.hessian[hinge])
+
+
+@njit(cache=True, error_model="numpy")
+def _evaluate(K, trial, low, high, room):
+    """Forces at the flow and gradient of J over what flows, whose D is met; the largest of that."""
     p, force, g, most = room.flow, room.force, room.gradient, 0.0
     e0, e1, e2, e3, e4 = trial[0], trial[1], trial[2], trial[3], trial[4]
     if low == 0:
@@ -267,11 +288,8 @@ def _evaluate(surface, K, trial, low, high, room):
         e0, e3, e4 = e0 - p[3], e3 - p[4], e4 - p[5]
     for i in range(5):
         force[i] = K[i, 0] * e0 + K[i, 1] * e1 + K[i, 2] * e2 + K[i, 3] * e3 + K[i, 4] * e4
-    for hinge in range(low // 3, high // 3):
-        at = 3 * hinge
-        support(surface, p[at : at + 3], g[at : at + 3], room.hessian[hinge])
-        for i in range(at, at + 3):
-            g[i] -= force[PLACE[i]]
+    for i in range(low, high):
+        g[i] = room.met[i // 3, i % 3] - force[PLACE[i]]
     if high - low == 6:
         apart = _SHARED * K[0, 0] * (p[0] - p[3])
         g[0] += apart
@@ -316,19 +334,17 @@ def _along(K, a, first, b, second):
 
 
 @njit(cache=True, error_model="numpy")
-def _set_off(surface, K, flows, room):
+def _set_off(K, flows, room):
     """First guess of the flow of the hinges that do: along their aims, so far that J is least."""
-    force, p, aim = room.force, room.flow, room.aim
+    force, p, aim, cost = room.force, room.flow, room.aim, room.cost
     long0, long1, work0, work1 = 0.0, 0.0, 0.0, 0.0
     if flows[0]:
         work0 = aim[0, 0] * force[0] + aim[0, 1] * force[1] + aim[0, 2] * force[2]
-        D = support(surface, aim[0], room.point, room.bend)
-        work0 = max(work0 - D, 1e-6 * D)
+        work0 = max(work0 - cost[0], 1e-6 * cost[0])
         long0 = work0 / _along(K, aim[0], 0, aim[0], 0)
     if flows[1]:
         work1 = aim[1, 0] * force[0] + aim[1, 1] * force[3] + aim[1, 2] * force[4]
-        D = support(surface, aim[1], room.point, room.bend)
-        work1 = max(work1 - D, 1e-6 * D)
+        work1 = max(work1 - cost[1], 1e-6 * cost[1])
         long1 = work1 / _along(K, aim[1], 1, aim[1], 1)
     if flows[0] and flows[1]:
         stiff0, stiff1 = work0 / long0, work1 / long1
@@ -340,8 +356,13 @@ def _set_off(surface, K, flows, room):
         long0, long1 = (joint0, joint1) if good else (0.5 * long0, 0.5 * long1)
     for i in range(6):
         if flows[i // 3]:
-            live = K[PLACE[i], PLACE[i]] > 0.0
-            p[i] = (long0, long1)[i // 3] * aim[i // 3, i % 3] if live else 0.0
+            long = (long0, long1)[i // 3]
+            aim[i // 3, i % 3] *= long
+            for j in range(3):
+                room.hessian[i // 3, i % 3, j] /= long
+            p[i] = aim[i // 3, i % 3] if K[PLACE[i], PLACE[i]] > 0.0 else 0.0
+    for hinge in range(2):
+        cost[hinge] *= (long0, long1)[hinge] if flows[hinge] else 1.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -354,7 +375,10 @@ def _rests(surface, K, hinge, room):
         y += K[PLACE[at + 1], PLACE[at + j]] * p[at + j]
         z += K[PLACE[at + 2], PLACE[at + j]] * p[at + j]
         room.aim[hinge, j] = p[at + j]
-    return not _is_outside(surface, n, y, z, hinge, room)
+    if not _is_outside(surface, n, y, z, hinge, room):
+        return True
+    _meet(surface, at, at + 3, room)
+    return False
 
 
 @njit(cache=True, error_model="numpy")
@@ -369,7 +393,7 @@ def _minimise(surface, K, trial, flows, room):
     first, second = flows
     low, high = _bounds(first, second)
     p, g, old, step = room.flow, room.gradient, room.old, room.step
-    most = _evaluate(surface, K, trial, low, high, room)
+    most = _evaluate(K, trial, low, high, room)
     damping = _TINY
     for count in range(_ITERATIONS):
         if most < _TOLERANCE:
@@ -388,7 +412,8 @@ def _minimise(surface, K, trial, flows, room):
         for _ in range(_SEARCHES):
             for i in range(low, high):
                 p[i] = old[i] + share * step[i]
-            most = _evaluate(surface, K, trial, low, high, room)
+            _meet(surface, low, high, room)
+            most = _evaluate(K, trial, low, high, room)
             new = 0.0
             for i in range(low, high):
                 new += step[i] * g[i]
@@ -411,7 +436,7 @@ def _minimise(surface, K, trial, flows, room):
                 return first, second, 0.0
             if _bounds(first, second) != (low, high):
                 low, high = _bounds(first, second)
-                most = _evaluate(surface, K, trial, low, high, room)
+                most = _evaluate(K, trial, low, high, room)
     return first, second, most
 
 
@@ -437,25 +462,33 @@ def project(surface, K, trial, room):
     second = turns[1] and _is_outside(surface, force[0], force[3], force[4], 1, room)
     if not (first or second):
         return ELASTIC
-    _set_off(surface, K, (first, second), room)
+    _set_off(K, (first, second), room)
     low, high, most = 0, 0, np.inf
     for _ in range(_SETS):
         first, second, most = _minimise(surface, K, trial, (first, second), room)
         low, high = _bounds(first, second)
         joined = False
         if not first and turns[0] and _is_outside(surface, force[0], force[1], force[2], 0, room):
-            _set_off(surface, K, (True, False), room)
+            _set_off(K, (True, False), room)
             first = joined = True
         free = not joined and not second and turns[1]
         if free and _is_outside(surface, force[0], force[3], force[4], 1, room):
-            _set_off(surface, K, (False, True), room)
+            _set_off(K, (False, True), room)
             second = joined = True
         if not joined:
             break
+    p = room.flow
+    for hinge in range(2):
+        flows = (first, second)[hinge]
+        for i in range(3):
+            if flows:
+                room.aim[hinge, i] = p[3 * hinge + i]
+            else:
+                p[3 * hinge + i] = 0.0
     if not most < _ACCEPTED:
         return FAILED
     _assemble(K, low, high, _TINY, room)
-    A, half, p = room.matrix, room.half, room.flow
+    A, half = room.matrix, room.half
     for i in range(5):
         for j in range(low, high):
             half[i, j] = K[i, PLACE[j]]
@@ -465,11 +498,4 @@ def project(surface, K, trial, room):
             for j in range(low, high):
                 C[i, k] -= half[i, j] * half[k, j] / A[j, j]
             C[k, i] = C[i, k]
-    for hinge in range(2):
-        flows = (first, second)[hinge]
-        for i in range(3):
-            if flows:
-                room.aim[hinge, i] = p[3 * hinge + i]
-            else:
-                p[3 * hinge + i] = 0.0
     return (1 if first else 0) + (2 if second else 0)
