@@ -140,6 +140,39 @@ def test_a_surface_that_agrees_gives_four_dof_to_a_thousandth() -> None:
         assert peaks[::-1] == pytest.approx(peaks, rel=1e-6)  # four sides are alike
 
 
+def test_round_columns_answer_alike_from_every_side() -> None:
+    peaks = [peak(SevenDof(), struck("CHS", degrees)) for degrees in (0, 15, 30, 45, 60, 75, 90)]
+    assert peaks == pytest.approx([peaks[0]] * len(peaks), rel=1e-6)  # measured 1e-11
+
+
+def test_square_tubes_answer_alike_about_both_axes_and_their_diagonal() -> None:
+    for degrees in (0.0, 15.0, 30.0):
+        sides = [peak(SevenDof(), struck("SHS", each)) for each in (degrees, 90.0 - degrees)]
+        assert sides[1] == pytest.approx(sides[0], rel=1e-6)
+    assert peak(SevenDof(), struck("SHS", 45.0)) > 1.03 * peak(SevenDof(), struck("SHS"))
+
+
+@pytest.mark.parametrize(
+    ("section", "beta", "share"),
+    [
+        ({"height": 0.3, "width": 0.2}, 2.0, 1e-3),  # exact: m = 1 - n^2
+        ({"height": 0.3, "width": 0.2, "wall": 0.01}, None, 1e-3),  # fitted
+    ],
+)
+def test_rectangles_along_their_flanges_are_four_dof_about_the_weak_axis(
+    section: dict[str, float], beta: float | None, share: float
+) -> None:
+    hit = struck("SHS", 90.0, velocity=18.0)
+    hit = hit.changed(column=hit.column.changed(section=section_from(section)))
+    weak = hit.changed(
+        column=hit.column.changed(axis="weak"), striker=hit.striker.changed(angle=0.0)
+    )
+    alpha, fitted = weak.column.strength_section.interaction_fit()
+    four = make_model("four-dof", {"alpha": alpha if beta is None else 1.0, "beta": beta or fitted})
+    assert peak(SevenDof(), hit) == pytest.approx(peak(four, weak), rel=share)
+    assert peak(SevenDof(), hit) == pytest.approx(peak(SevenDof(), weak), rel=1e-9)
+
+
 @pytest.mark.parametrize("degrees", [0.0, 30.0, 90.0])
 @pytest.mark.parametrize("restitution", [0.0, 0.3])
 def test_ledger_closes(degrees: float, restitution: float) -> None:

@@ -488,14 +488,18 @@ def project(surface, K, trial, room):
     if not most < _ACCEPTED:
         return FAILED
     _assemble(K, low, high, _TINY, room)
-    A, half = room.matrix, room.half
+    A, half, soft = room.matrix, room.half, room.column
+    for j in range(low, high):
+        soft[j] = 1.0 / A[j, j]
     for i in range(5):
         for j in range(low, high):
-            half[i, j] = K[i, PLACE[j]]
+            left = K[i, PLACE[j]]
             for k in range(low, j):
-                half[i, j] -= A[j, k] * half[i, k]
+                left -= A[j, k] * half[i, k]
+            half[i, j] = left
         for k in range(i + 1):
+            left = C[i, k]
             for j in range(low, high):
-                C[i, k] -= half[i, j] * half[k, j] / A[j, j]
-            C[k, i] = C[i, k]
+                left -= half[i, j] * half[k, j] * soft[j]
+            C[i, k] = C[k, i] = left
     return (1 if first else 0) + (2 if second else 0)
