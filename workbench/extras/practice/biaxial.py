@@ -92,11 +92,12 @@ def octant(count: int = _RAYS) -> Array:
     up, round_ = np.meshgrid(*[np.linspace(0.0, 0.5 * np.pi, count)] * 2)
     cosine = np.cos(up)
     rays = np.stack([np.sin(up), cosine * np.cos(round_), cosine * np.sin(round_)], axis=-1)
-    return np.maximum(rays.reshape(-1, 3), 0.0)
+    return np.asarray(np.maximum(rays.reshape(-1, 3), 0.0))
 
 
 def _sum(forces: Array, powers: ArrayLike) -> Array:
-    return np.asarray((forces ** np.asarray(powers, float)).sum(axis=-1))
+    total: Array = np.sum(forces ** np.asarray(powers, float), axis=-1)
+    return total
 
 
 @cache

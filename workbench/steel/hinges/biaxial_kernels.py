@@ -44,12 +44,10 @@ ROOM = np.dtype(
         ("force", float, 5),  # of both hinges, over the plastic forces
         ("tangent", float, (5, 5)),
         ("flow", float, 6),  # of the first and of the second hinge, J
-        # normals that were met last, where the next search begins: D there, gradient and Hessian
-        *(("aim", float, (2, 3)), ("cost", float, 2), ("met", float, (2, 3))),
-        ("hessian", float, (2, 3, 3)),
+        # normals that were met last, where the next search begins; gradient and Hessian of D there
+        *(("aim", float, (2, 3)), ("met", float, (2, 3)), ("hessian", float, (2, 3, 3))),
         *((name, float, 6) for name in ("old", "step", "gradient", "column")),
         *(("matrix", float, (6, 6)), ("half", float, (5, 6))),
-        *(("point", float, 3), ("bend", float, (3, 3))),  # gradient and Hessian of D in a gauge
         ("iterations", int),  # of the last projection
     ]
 )
@@ -193,14 +191,15 @@ def substitute(A, b, low, high):
 
 
 @njit(cache=True, error_model="numpy")
-def gauge(surface, q, aim, room, decide):
+def gauge(surface, q, aim, g, H, room, decide):
     """How far out the forces `q` (3,) are, 1 on the surface: the largest q.d / D(d).
 
     The least of D^2 / 2 - q.d, by damped Newton from the normal `aim` (3,), which becomes the one
-    found, as long as the gauge. `decide`: end once it is known whether the gauge is above 1.
+    found, as long as the gauge; writes gradient `g` (3,) and Hessian of D there. `decide`: end once
+    it is known whether the gauge is above 1.
     """
-    g, H, A, d = room.point, room.bend, room.matrix, room.old
-    step, size = room.step, abs(q[0]) + abs(q[1]) + abs(q[2])
+    A, d, step = room.matrix, room.old, room.step
+    size = abs(q[0]) + abs(q[1]) + abs(q[2])
     if size < _NOTHING:
         return 0.0
     if not q[0] * aim[0] + q[1] * aim[1] + q[2] * aim[2] > 0.0:
@@ -255,26 +254,20 @@ def _is_outside(surface, n, y, z, hinge, room):
     """Whether a hinge flows under its forces; its `aim` turns towards the normal there."""
     if abs(n) + abs(y) + abs(z) <= 1.0:
         return False
-    q, aim = room.column, room.aim[hinge]
-    if n * aim[0] + y * aim[1] + z * aim[2] > _OUTSIDE * room.cost[hinge]:
-        return True
+    q, aim, met = room.column, room.aim[hinge], room.met[hinge]
     q[0], q[1], q[2] = n, y, z
-    outside = gauge(surface, q, aim, room, True) > _OUTSIDE
-    room.cost[hinge] = 0.0
+    beyond = 0.0
     for i in range(3):
-        room.cost[hinge] += aim[i] * room.point[i]
-        room.met[hinge, i] = room.point[i]
-        for j in range(3):
-            room.hessian[hinge, i, j] = room.bend[i, j]
-    return outside
+        beyond += (q[i] - _OUTSIDE * met[i]) * aim[i]
+    return beyond > 0.0 or gauge(surface, q, aim, met, room.hessian[hinge], room, True) > _OUTSIDE
 
 
 @njit(cache=True, error_model="numpy")
 def _meet(surface, low, high, room):
-    """Write D, its gradient and its Hessian at the flow of the hinges that do."""
+    """Write gradient and Hessian of D at the flow of the hinges that do."""
     for hinge in range(low // 3, high // 3):
-        flow, met = room.flow[3 * hinge : 3 * hinge + 3], room.met[hinge]
-        room.cost[hinge] = support(surface, flow, met, room.hessian[hinge])
+        flow = room.flow[3 * hinge : 3 * hinge + 3]
+        support(surface, flow, room.met[hinge], room.hessian[hinge])
 
 
 @njit(cache=True, error_model="numpy")
@@ -336,15 +329,17 @@ def _along(K, a, first, b, second):
 @njit(cache=True, error_model="numpy")
 def _set_off(K, flows, room):
     """First guess of the flow of the hinges that do: along their aims, so far that J is least."""
-    force, p, aim, cost = room.force, room.flow, room.aim, room.cost
+    force, p, aim, met = room.force, room.flow, room.aim, room.met
     long0, long1, work0, work1 = 0.0, 0.0, 0.0, 0.0
     if flows[0]:
         work0 = aim[0, 0] * force[0] + aim[0, 1] * force[1] + aim[0, 2] * force[2]
-        work0 = max(work0 - cost[0], 1e-6 * cost[0])
+        D = aim[0, 0] * met[0, 0] + aim[0, 1] * met[0, 1] + aim[0, 2] * met[0, 2]
+        work0 = max(work0 - D, 1e-6 * D)
         long0 = work0 / _along(K, aim[0], 0, aim[0], 0)
     if flows[1]:
         work1 = aim[1, 0] * force[0] + aim[1, 1] * force[3] + aim[1, 2] * force[4]
-        work1 = max(work1 - cost[1], 1e-6 * cost[1])
+        D = aim[1, 0] * met[1, 0] + aim[1, 1] * met[1, 1] + aim[1, 2] * met[1, 2]
+        work1 = max(work1 - D, 1e-6 * D)
         long1 = work1 / _along(K, aim[1], 1, aim[1], 1)
     if flows[0] and flows[1]:
         stiff0, stiff1 = work0 / long0, work1 / long1
@@ -361,8 +356,6 @@ def _set_off(K, flows, room):
             for j in range(3):
                 room.hessian[i // 3, i % 3, j] /= long
             p[i] = aim[i // 3, i % 3] if K[PLACE[i], PLACE[i]] > 0.0 else 0.0
-    for hinge in range(2):
-        cost[hinge] *= (long0, long1)[hinge] if flows[hinge] else 1.0
 
 
 @njit(cache=True, error_model="numpy")
