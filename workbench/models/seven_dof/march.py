@@ -122,8 +122,8 @@ def evaluate(s, dt, closed, touch, striker):
 @njit(cache=True, error_model="numpy")
 def solved(A, b, symmetric):
     """Solve seven equations in place."""
-    if symmetric and factorise(A, 0, 7):
-        substitute(A, b, 0, 7)
+    if symmetric and factorise(A, 7):
+        substitute(A, b, 7)
         return True
     if symmetric:
         for i in range(7):

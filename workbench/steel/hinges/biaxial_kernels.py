@@ -161,33 +161,37 @@ def support(surface, flow, g, H):
 
 
 @njit(cache=True, error_model="numpy")
-def factorise(A, low, high):
-    """Factor the symmetric A into L D L' in place, rows from `low` to `high`; whether D > 0."""
-    for j in range(low, high):
+def factorise(A, n):
+    """Factor the first n rows of the symmetric A into L D L' in place; whether D > 0."""
+    for j in range(n):
         pivot = A[j, j]
-        for k in range(low, j):
+        for k in range(j):
             pivot -= A[j, k] * A[j, k] * A[k, k]
         if not pivot > 0.0:
             return False
         A[j, j] = pivot
-        for i in range(j + 1, high):
+        for i in range(j + 1, n):
             left = A[i, j]
-            for k in range(low, j):
+            for k in range(j):
                 left -= A[i, k] * A[j, k] * A[k, k]
             A[i, j] = left / pivot
     return True
 
 
 @njit(cache=True, error_model="numpy")
-def substitute(A, b, low, high):
-    """Solve L D L' x = b in place."""
-    for i in range(low, high):
-        for k in range(low, i):
-            b[i] -= A[i, k] * b[k]
-    for i in range(high - 1, low - 1, -1):
-        b[i] /= A[i, i]
-        for k in range(i + 1, high):
-            b[i] -= A[k, i] * b[k]
+def substitute(A, b, n):
+    """Solve L D L' x = b in place, n rows."""
+    for i in range(n):
+        left = b[i]
+        for k in range(i):
+            left -= A[i, k] * b[k]
+        b[i] = left
+    for at in range(n):
+        i = n - 1 - at
+        left = b[i] / A[i, i]
+        for k in range(i + 1, n):
+            left -= A[k, i] * b[k]
+        b[i] = left
 
 
 @njit(cache=True, error_model="numpy")
@@ -228,9 +232,9 @@ def gauge(surface, q, aim, g, H, room, decide):
                 A[i, j] = D * H[i, j] + g[i] * g[j]
             A[i, i] += damping
         slope = -(step[0] * step[0] + step[1] * step[1] + step[2] * step[2])
-        if factorise(A, 0, 3):
+        if factorise(A, 3):
             g0, g1, g2 = step[0], step[1], step[2]
-            substitute(A, step, 0, 3)
+            substitute(A, step, 3)
             slope = -(g0 * step[0] + g1 * step[1] + g2 * step[2])
         for i in range(3):
             d[i] = aim[i]
@@ -297,23 +301,27 @@ def _evaluate(K, trial, low, high, room):
 @njit(cache=True, error_model="numpy")
 def _assemble(K, low, high, damping, room):
     """The Hessian of J over what flows, factored; whether it is positive."""
-    A = room.matrix
-    for i in range(low, high):
-        for j in range(low, i + 1):
-            A[i, j] = K[PLACE[i], PLACE[j]]
-            if i // 3 == j // 3:
-                A[i, j] += room.hessian[i // 3, i % 3, j % 3]
-        A[i, i] += damping * K[PLACE[i], PLACE[i]]
+    A, n = room.matrix, high - low
+    for i in range(n):
+        row = PLACE[low + i]
+        for j in range(i + 1):
+            A[i, j] = K[row, PLACE[low + j]]
+        A[i, i] += damping * K[row, row]
+    for at in range(0, n, 3):
+        H = room.hessian[(low + at) // 3]
+        for i in range(3):
+            for j in range(i + 1):
+                A[at + i, at + j] += H[i, j]
     if high - low == 6:
         A[0, 0] += _SHARED * K[0, 0]
         A[3, 3] += _SHARED * K[0, 0]
         A[3, 0] -= _SHARED * K[0, 0]
-    for i in range(low, high):
-        if K[PLACE[i], PLACE[i]] == 0.0:  # a pin about this axis: it turns without a moment
-            for j in range(low, high):
+    for i in range(n):
+        if K[PLACE[low + i], PLACE[low + i]] == 0.0:  # a pin about this axis: it turns freely
+            for j in range(n):
                 A[i, j] = A[j, i] = 0.0
             A[i, i] = 1.0
-    return factorise(A, low, high)
+    return factorise(A, n)
 
 
 @njit(cache=True, error_model="numpy")
@@ -393,23 +401,24 @@ def _minimise(surface, K, trial, flows, room):
             break
         room.iterations += 1
         slope = 0.0
-        for i in range(low, high):
-            step[i] = -g[i]
+        n = high - low
+        for i in range(n):
+            step[i] = -g[low + i]
         if _assemble(K, low, high, damping, room):
-            substitute(room.matrix, step, low, high)
-        for i in range(low, high):
-            slope += step[i] * g[i]
-            old[i] = p[i]
+            substitute(room.matrix, step, n)
+        for i in range(n):
+            slope += step[i] * g[low + i]
+            old[i] = p[low + i]
         share, from_, to, slope_from, slope_to = 1.0, 0.0, np.nan, slope, np.nan
         cut = False
         for _ in range(_SEARCHES):
-            for i in range(low, high):
-                p[i] = old[i] + share * step[i]
+            for i in range(n):
+                p[low + i] = old[i] + share * step[i]
             _meet(surface, low, high, room)
             most = _evaluate(K, trial, low, high, room)
             new = 0.0
-            for i in range(low, high):
-                new += step[i] * g[i]
+            for i in range(n):
+                new += step[i] * g[low + i]
             if new <= -0.5 * slope and (not cut or new >= 0.5 * slope):
                 break
             cut = True
@@ -481,18 +490,18 @@ def project(surface, K, trial, room):
     if not most < _ACCEPTED:
         return FAILED
     _assemble(K, low, high, _TINY, room)
-    A, half, soft = room.matrix, room.half, room.column
-    for j in range(low, high):
+    A, half, soft, n = room.matrix, room.half, room.column, high - low
+    for j in range(n):
         soft[j] = 1.0 / A[j, j]
     for i in range(5):
-        for j in range(low, high):
-            left = K[i, PLACE[j]]
-            for k in range(low, j):
+        for j in range(n):
+            left = K[i, PLACE[low + j]]
+            for k in range(j):
                 left -= A[j, k] * half[i, k]
             half[i, j] = left
         for k in range(i + 1):
             left = C[i, k]
-            for j in range(low, high):
+            for j in range(n):
                 left -= half[i, j] * half[k, j] * soft[j]
             C[i, k] = C[k, i] = left
     return (1 if first else 0) + (2 if second else 0)
