@@ -24,9 +24,9 @@ EA, EI = E_STEEL * FULL.area, E_STEEL * FULL.second_moment
 NP, MP = PLATES.squash_load(Steel()), PLATES.plastic_moment(Steel())
 SCALE = np.array([3e-3, 3e-3, 1e-2])  # displacements (m) and rotations that make hinges yield
 _NONE, _PAIRS, _NUMBERS = np.zeros(0), np.zeros((0, 2)), np.zeros(0, np.int64)
-_CORNERS = np.zeros((0, 4), np.int64)
+_CORNERS, _ACROSS = np.zeros((0, 4), np.int64), np.zeros((0, 1, 2))
 NO_LIMITS = CollapseLimits(
-    *(np.inf, np.inf, -np.inf, np.zeros(1, np.int64), _CORNERS, _PAIRS, _PAIRS, _NUMBERS, _NONE)
+    *(np.inf, np.inf, -np.inf, np.zeros(1, np.int64), _CORNERS, _ACROSS, _PAIRS, _NUMBERS, _NONE)
 )
 VARIANTS = {
     "rigid 1/1.3": {"exponents": (1.0, 1.3)},

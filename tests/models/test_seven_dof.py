@@ -15,21 +15,24 @@ from workbench.models.base import make_model
 from workbench.models.batch import simulate_many
 from workbench.models.elastic_springs import Springs, beam_springs
 from workbench.models.seven_dof.model import SevenDof
-from workbench.responses import Response, findings_of, outcome_of
+from workbench.responses import Response, finding, findings_of, outcome_of
 from workbench.scenarios import Column, ColumnImpact, Striker, scenario_from, to_toml
 from workbench.steel.materials import Steel
 from workbench.steel.sections import i_section, section_from
 from workbench.steel.sections.slenderness import torsion_constants
+from workbench.study.error_model.error_model import with_remedies
 
 STEEL = Steel(yield_stress=355e6)
 HEB, IPE = i_section(0.22, 0.22, 0.0095, 0.016), i_section(0.30, 0.15, 0.0071, 0.0107)
 SHS = section_from({"height": 0.2, "width": 0.2, "wall": 0.01})
+CHS = section_from({"diameter": 0.2191, "wall": 0.01})
 # the columns of the specification: section, segments, axial load, restraint, mass, velocity
 COLUMNS: dict[str, tuple[Any, ...]] = {
     "HEB": (HEB, 0.8, 3.2, 0.5e6, 1e7, 1500.0, 15.0),
     "IPE": (IPE, 1.2, 2.3, 0.15e6, 5e6, 800.0, 8.0),
     "SHS": (SHS, 1.0, 2.5, 0.2e6, 5e6, 1200.0, 12.0),
 }
+COLUMNS["CHS"] = (CHS, *COLUMNS["SHS"][1:])
 # peak along the hit of 60 fiber beams in space (OpenSees), without web shear and warping, m
 FIBERS = {
     "HEB": {0: 0.1897, 30: 0.2805, 45: 0.3098, 60: 0.3331, 90: 0.3554},
@@ -137,6 +140,39 @@ def test_a_surface_that_agrees_gives_four_dof_to_a_thousandth() -> None:
         assert peaks[::-1] == pytest.approx(peaks, rel=1e-6)  # four sides are alike
 
 
+def test_round_columns_answer_alike_from_every_side() -> None:
+    peaks = [peak(SevenDof(), struck("CHS", degrees)) for degrees in (0, 15, 30, 45, 60, 75, 90)]
+    assert peaks == pytest.approx([peaks[0]] * len(peaks), rel=1e-6)  # measured 1e-11
+
+
+def test_square_tubes_answer_alike_about_both_axes_and_their_diagonal() -> None:
+    for degrees in (0.0, 15.0, 30.0):
+        sides = [peak(SevenDof(), struck("SHS", each)) for each in (degrees, 90.0 - degrees)]
+        assert sides[1] == pytest.approx(sides[0], rel=1e-6)
+    assert peak(SevenDof(), struck("SHS", 45.0)) > 1.03 * peak(SevenDof(), struck("SHS"))
+
+
+@pytest.mark.parametrize(
+    ("section", "beta", "share"),
+    [
+        ({"height": 0.3, "width": 0.2}, 2.0, 1e-3),  # exact: m = 1 - n^2
+        ({"height": 0.3, "width": 0.2, "wall": 0.01}, None, 1e-3),  # fitted
+    ],
+)
+def test_rectangles_along_their_flanges_are_four_dof_about_the_weak_axis(
+    section: dict[str, float], beta: float | None, share: float
+) -> None:
+    hit = struck("SHS", 90.0, velocity=18.0)
+    hit = hit.changed(column=hit.column.changed(section=section_from(section)))
+    weak = hit.changed(
+        column=hit.column.changed(axis="weak"), striker=hit.striker.changed(angle=0.0)
+    )
+    alpha, fitted = weak.column.strength_section.interaction_fit()
+    four = make_model("four-dof", {"alpha": alpha if beta is None else 1.0, "beta": beta or fitted})
+    assert peak(SevenDof(), hit) == pytest.approx(peak(four, weak), rel=share)
+    assert peak(SevenDof(), hit) == pytest.approx(peak(SevenDof(), weak), rel=1e-9)
+
+
 @pytest.mark.parametrize("degrees", [0.0, 30.0, 90.0])
 @pytest.mark.parametrize("restitution", [0.0, 0.3])
 def test_ledger_closes(degrees: float, restitution: float) -> None:
@@ -178,6 +214,50 @@ def test_plane_models_refuse_an_angle_and_name_this_one() -> None:
     refused = make_model("four-dof").simulate(struck("HEB", 10.0))
     assert outcome_of(refused).value == "out-of-domain"
     assert any("seven-dof" in each.remedy for each in findings_of(refused))
+
+
+@pytest.mark.parametrize("name", ["four-dof", "single-dof", "energy-estimate"])
+def test_plane_models_answer_round_columns_from_every_side_and_say_so(name: str) -> None:
+    model, straight, oblique = make_model(name), struck("CHS"), struck("CHS", 30.0)
+    response = answered(model, oblique)
+    assert response["peak_displacement"].item() == peak(model, straight)
+    notes = [each for each in findings_of(response) if each.subject == "direction"]
+    assert [each.number for each in notes] == [pytest.approx(30.0)]
+    assert "round" in notes[0].text
+    assert not notes[0].outside
+    assert not [each for each in findings_of(answered(model, straight)) if each in notes]
+    table = simulate_many(model, [oblique, struck("CHS", 60.0)])
+    assert list(table["peak_displacement"]) == [pytest.approx(peak(model, straight), rel=1e-9)] * 2
+
+
+def test_what_is_not_alike_all_round_is_refused_off_the_plane() -> None:
+    tube = struck("CHS", 30.0)
+    ends = {"base_weak": "pinned"}, {"unbraced_length": 2.0}, {"plastic_moment": 2e5}
+    hits = [struck("SHS", 45.0), *(tube.changed(column=tube.column.changed(**e)) for e in ends)]
+    for hit in hits:
+        response = make_model("four-dof").simulate(hit)
+        assert outcome_of(response).value == "out-of-domain"
+        assert [each.subject for each in findings_of(response) if each.refusal] == ["direction"]
+        assert list(simulate_many(make_model("four-dof"), [hit])["outcome"]) == ["out-of-domain"]
+
+
+@pytest.mark.parametrize("name", ["seven-dof", "superelement-space", "fiber-space"])
+def test_webs_that_shear_off_the_plane_are_for_shells(name: str) -> None:
+    model, hit = make_model(name), struck("HEB", 30.0)
+    known = {"segment": "below", "reason": "of the plane"}
+    names = "mechanism-shear-beyond", "error-not-measured"
+    told = [finding(each, 1.8, **known) for each in names]
+    advice = with_remedies(model, hit, told)
+    assert [each.instead for each in advice] == [("shell",)] * 2
+    assert [each.remedy for each in advice] == ["take shell"] * 2
+    still = with_remedies(model, hit, told[1:])[0]
+    assert still.instead != ("shell",) or name == "fiber-space"
+
+
+def test_a_round_column_has_the_error_of_hits_in_the_plane() -> None:
+    straight, oblique = (wb.simulate(struck("CHS", degrees)) for degrees in (0.0, 30.0))
+    assert oblique.attrs["model"] == straight.attrs["model"] != "seven-dof"
+    assert oblique.attrs["error"] == straight.attrs["error"]
 
 
 def test_the_weak_axis_buckles_whatever_the_angle() -> None:
