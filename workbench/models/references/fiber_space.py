@@ -206,8 +206,8 @@ class SpaceModel(FrameModel):
         event = as_frame(scenario)
         unknown = space_parts(event, pins=self.pins)
         if unknown:
-            parts = ", ".join(unknown[:NAMED])
-            return [finding("space-parts", len(unknown), name=self.name, parts=parts)]
+            named = ", ".join(unknown[:NAMED])
+            return [finding("space-parts", len(unknown), name=self.name, unknown=named)]
         return super().domain(facing(event)) + rubs
 
     def structure(self, scenario: ColumnScenario | FrameScenario) -> FrameStructure:
