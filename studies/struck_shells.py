@@ -1,0 +1,256 @@
+"""Columns struck as shells: which models of sections that keep their shape hold beside them.
+
+Twelve columns are cases of the study: three sections hit at 0, 30 and 90 degrees and on the edge of
+a flange. Two stored data sets are drawn here: pairs of hits through the shear centre and beside it
+(`eccentric-hits`), and columns with slender plates (`slender-shells`):
+`python studies/struck_shells.py pairs FILE`, `slender FILE`.
+
+Masses are such that the mechanism takes the energy over a share of the shorter segment.
+"""
+
+import csv
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from math import radians
+from pathlib import Path
+
+import numpy as np
+
+from workbench.models.domain import mechanism_demand
+from workbench.models.four_dof import FourDof
+from workbench.models.references.fiber_space import FiberSpace
+from workbench.models.references.shell import Shell
+from workbench.models.seven_dof import SevenDof
+from workbench.models.superelements import FlexibleSuperelement
+from workbench.responses import Outcome, Response, outcome_of
+from workbench.scenarios import Column, ColumnImpact, Striker
+from workbench.steel.materials import Steel
+from workbench.steel.sections import find, i_section
+from workbench.steel.sections.slenderness import plate_classes, plates_of, shares_by_class
+
+SEED, PAIRS = 46, 60
+FAMILIES = {
+    "HEB": ("HEB 160", "HEB 220", "HEB 300", "HEB 360"),
+    "HEA": ("HEA 180", "HEA 240", "HEA 300", "HEA 400"),
+    "IPE": ("IPE 270", "IPE 330", "IPE 400", "IPE 450"),
+    "HEM": ("HEM 160", "HEM 200", "HEM 240"),
+    "UB": ("UB 254x146x31", "UB 305x165x40", "UB 406x178x60", "UB 457x191x82"),
+    "UC": ("UC 203x203x46", "UC 254x254x73", "UC 305x305x97"),
+}
+GRADES = (235e6, 275e6, 355e6)  # Pa
+LENGTHS, HEIGHTS = (3.0, 6.0), (0.2, 0.6)  # m; of the impact over the length
+PRESSED, OF_EULER = 0.4, 0.7  # most of the squash load, and of the Euler load about the weak axis
+REACH, SPEEDS = (0.015, 0.08), (3.0, 15.0)  # over the shorter segment; m/s
+PLANE = {"four_dof": FourDof(), "superelement": FlexibleSuperelement()}
+PEAKS = {
+    "axis_m": "shell.axis",
+    "edge_m": "shell.edge",
+    "face_m": "displacement",
+    "sideways_m": "sideways",
+    "twist_rad": "twist",
+}
+LONGEST = 2.5  # duration over the time in which the plane model comes to its peak
+
+
+def drawn_pairs(seed: int = SEED, count: int = PAIRS) -> Iterator[tuple[ColumnImpact, float]]:
+    """So many columns hit through the shear centre, and the eccentricity (m) of the other hit.
+
+    Families take turns; what the plane model does not answer is drawn again.
+    """
+    rng, families = np.random.default_rng(seed), tuple(FAMILIES.values())
+    for number in range(count):
+        plane = None
+        while plane is None or outcome_of(plane) is not Outcome.OK:
+            impact, beside = _drawn(rng, families[number % len(families)])
+            plane = FourDof().simulate(impact)
+        lasting = LONGEST * float(plane["time_of_peak"])
+        yield replace(impact, name=f"{number:02d} {impact.name}", duration=round(lasting, 4)), beside
+
+
+def _drawn(rng: np.random.Generator, names: tuple[str, ...]) -> tuple[ColumnImpact, float]:
+    section = find(str(rng.choice(names)))
+    length, height = rng.uniform(*LENGTHS), rng.uniform(*HEIGHTS)
+    below, above = round(height * length, 3), round((1.0 - height) * length, 3)
+    steel = Steel(yield_stress=float(rng.choice(GRADES)))
+    spring = float(rng.choice([0.0, 5e6, 2e7]))
+    column = Column(section, below, above, steel, restraint_stiffness=spring)
+    most = min(PRESSED * column.properties.squash_load, OF_EULER * column.euler_load("weak"))
+    column = column.changed(axial_load=round(rng.uniform(0.0, most), -3))
+    speed, reach = round(rng.uniform(*SPEEDS), 1), rng.uniform(*REACH) * min(below, above)
+    resistance = 2.0 * column.properties.plastic_moment * (1.0 / below + 1.0 / above)
+    striker = Striker(round(2.0 * resistance * reach / speed**2, 1), speed)
+    beside = round(rng.uniform(0.0, 0.5) * section.width, 4)
+    name = f"{section.name}, {below:g} + {above:g} m, {speed:g} m/s, {striker.mass:g} kg"
+    return ColumnImpact(name, column, striker, 0.4), max(beside, 1e-4)
+
+SLENDER = 30
+FLANGES, WEBS = (7.0, 22.0), (30.0, 75.0)  # width over thickness and epsilon: classes 1 to 4
+DEEP, WIDE = (0.2, 0.4), (0.5, 1.0)  # m; over the height
+HIGH_GRADES = (355e6, 460e6)
+MOST_SHEAR, MOST_PRESSED = 0.6, 0.5  # of the mechanism over Vpl; of the squash load
+TILT = 1.0 / 200.0  # of flanges
+
+
+def drawn_slender(seed: int = SEED, count: int = SLENDER) -> Iterator[ColumnImpact]:
+    """So many columns with slender plates, every third hit along its flanges.
+
+    What the plane model does not answer is drawn again.
+    """
+    rng = np.random.default_rng(seed)
+    for number in range(count):
+        plane = None
+        while plane is None or outcome_of(plane) is not Outcome.OK:
+            impact = _slender(rng, "weak" if number % 3 == 2 else "strong")
+            plane = None if impact is None else FourDof().simulate(impact)
+        lasting = LONGEST * float(plane["time_of_peak"])
+        yield replace(impact, name=f"{number:02d} {impact.name}", duration=round(lasting, 4))
+
+
+def _slender(rng: np.random.Generator, axis: str) -> ColumnImpact | None:
+    grade = float(rng.choice(HIGH_GRADES))
+    epsilon = (235e6 / grade) ** 0.5
+    height = rng.uniform(*DEEP)
+    width = rng.uniform(*WIDE) * height
+    flange, web = rng.uniform(*FLANGES) * epsilon, rng.uniform(*WEBS) * epsilon
+    thick = 0.5 * width / (flange + 0.5)
+    sizes = height, width, (height - 2.0 * thick) / web, thick
+    section = i_section(*(round(size, 4) for size in sizes))
+    length, place = rng.uniform(3.0, 5.0), rng.uniform(0.25, 0.5)
+    below, above = round(place * length, 3), round((1.0 - place) * length, 3)
+    column = Column(section, below, above, Steel(yield_stress=grade), axis=axis)
+    most = min(MOST_PRESSED * column.properties.squash_load, 0.5 * column.euler_load("weak"))
+    column = column.changed(axial_load=round(rng.uniform(0.0, most), -3))
+    speed, reach = round(rng.uniform(4.0, 14.0), 1), rng.uniform(0.02, 0.06) * below
+    if max(mechanism_demand(column).values()) > MOST_SHEAR:
+        return None
+    resistance = 2.0 * column.properties.plastic_moment * (1.0 / below + 1.0 / above)
+    striker = Striker(round(2.0 * resistance * reach / speed**2, 1), speed)
+    name = f"{section.name}, {axis}, {below:g} + {above:g} m, {speed:g} m/s, {striker.mass:g} kg"
+    return ColumnImpact(name, column, striker, 0.4)
+
+
+def slender_row(impact: ColumnImpact, shell: Shell) -> dict[str, float | str]:
+    """Inputs of a column with slender plates, peaks of shells and of fibers in space."""
+    column = impact.column
+    plates = plates_of(column.section)
+    classes = plate_classes(column.section, column.steel)
+    epsilon = (235e6 / column.steel.yield_stress) ** 0.5
+    shape = column.section.about("strong").shape
+    weaker = shares_by_class(column.section.about("strong"), column.section.about("strong"), column.steel)
+    solved = shell.simulate(impact)
+    beam = FiberSpace(levels=1).simulate(impact)
+    return {
+        "case": impact.name,
+        "height_m": shape.height,
+        "width_m": shape.width,
+        "web_m": shape.web,
+        "flange_m": shape.flange,
+        **inputs(impact),
+        "axis": column.axis,
+        "axial_over_squash": column.axial_load / column.properties.squash_load,
+        "flange_over_epsilon": plates.flange / plates.flange_thickness / epsilon,
+        "web_over_epsilon": plates.web / plates.web_thickness / epsilon,
+        "class_pressed": classes.pressed,
+        "class_bent": classes.bent,
+        "effective_area_share": weaker[0],
+        "effective_modulus_share": weaker[1],
+        "fiber_space_m": float(beam["peak_displacement"]),
+        **{f"shell_{name}": value for name, value in peaks(solved).items()},
+    }
+
+
+BELOW, ABOVE, PACE, LOADED, SHARE = 1.4, 2.6, 10.0, 0.1, 0.04
+TWELVE = ("HEB 220", "IPE 300", "I 300x200x5x8")
+
+
+def struck(name: str, degrees_off: float, edge: bool) -> ColumnImpact:
+    """One of the twelve columns, hit at an angle in degrees, on the `edge` of its flange or not."""
+    section = i_section(0.3, 0.2, 0.005, 0.008) if name == TWELVE[2] else find(name)
+    column = Column(section, BELOW, ABOVE, restraint_stiffness=5e6)
+    column = column.changed(axial_load=LOADED * column.properties.squash_load)
+    resistance = 2.0 * column.properties.plastic_moment * (1.0 / BELOW + 1.0 / ABOVE)
+    mass = round(2.0 * resistance * SHARE * BELOW / PACE**2, 1)
+    angle = radians(degrees_off)
+    beside = 0.5 * section.width if edge else 0.0
+    striker = Striker(mass, PACE, angle=angle, eccentricity=0.0)
+    title = f"{name}, {degrees_off:g} degrees, {'edge' if edge else 'centre'}"
+    impact = ColumnImpact(title, column, striker, 0.4)
+    lasting = 2.0 * float(SevenDof().simulate(impact)["time_of_peak"])
+    striker = replace(striker, eccentricity=beside)
+    return replace(impact, striker=striker, duration=round(lasting, 4))
+
+
+def peaks(response: Response) -> dict[str, float | str]:
+    """Largest displacements (m) along the hit of axis, struck edge and face, sideways, and twist.
+
+    With the outcome.
+    """
+    table: dict[str, float | str] = {"outcome": outcome_of(response).value}
+    for name, variable in PEAKS.items():
+        history = response.get(variable)
+        table[name] = np.nan if history is None else float(np.abs(history).max())
+    table["time_of_peak_s"] = float(response.get("time_of_peak", np.nan))
+    return table
+
+
+def inputs(impact: ColumnImpact) -> dict[str, float | str]:
+    """Numbers that make a drawn impact, but for its section."""
+    column, striker = impact.column, impact.striker
+    return {
+        "yield_stress_Pa": column.steel.yield_stress,
+        "length_below_m": column.length_below,
+        "length_above_m": column.length_above,
+        "axial_load_N": column.axial_load,
+        "restraint_stiffness_N_per_m": column.restraint_stiffness,
+        "striker_mass_kg": striker.mass,
+        "striker_velocity_m_per_s": striker.velocity,
+        "duration_s": impact.duration,
+    }
+
+
+def row(impact: ColumnImpact, beside: float, shell: Shell) -> dict[str, float | str]:
+    """Inputs of a pair, the peaks of shells in both hits, and those of plane models."""
+    column, striker = impact.column, impact.striker
+    centred = peaks(shell.simulate(impact))
+    eccentric = peaks(shell.simulate(impact.changed(striker=replace(striker, eccentricity=beside))))
+    plane = {
+        f"{name}_m": float(model.simulate(impact).get("peak_displacement", np.nan))
+        for name, model in PLANE.items()
+    }
+    return {
+        "case": impact.name,
+        "section": column.section.name,
+        **inputs(impact),
+        "eccentricity_m": beside,
+        "eccentricity_over_half_width": round(2.0 * beside / column.section.width, 4),
+        **plane,
+        **{f"centred_{name}": value for name, value in centred.items()},
+        **{f"eccentric_{name}": value for name, value in eccentric.items()},
+    }
+
+
+def write(path: Path, what: str) -> None:
+    """Write the rows that the file at `path` does not hold yet, one after another."""
+    known: set[str] = set()
+    if path.exists():
+        with path.open(newline="") as file:
+            known = {line["case"] for line in csv.DictReader(file)}
+    if what == "pairs":
+        asks = ((impact, partial(row, impact, beside, Shell(levels=1))) for impact, beside in drawn_pairs())
+    else:
+        asks = ((impact, partial(slender_row, impact, Shell(levels=1, tilt=TILT))) for impact in drawn_slender())
+    for impact, ask in asks:
+        if impact.name in known:
+            continue
+        kept = {k: float(f"{v:.6g}") if isinstance(v, float) else v for k, v in ask().items()}
+        with path.open("a", newline="") as file:
+            writer = csv.DictWriter(file, fieldnames=list(kept))
+            if file.tell() == 0:
+                writer.writeheader()
+            writer.writerow(kept)
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[2]), sys.argv[1])
