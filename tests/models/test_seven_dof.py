@@ -24,12 +24,14 @@ from workbench.steel.sections.slenderness import torsion_constants
 STEEL = Steel(yield_stress=355e6)
 HEB, IPE = i_section(0.22, 0.22, 0.0095, 0.016), i_section(0.30, 0.15, 0.0071, 0.0107)
 SHS = section_from({"height": 0.2, "width": 0.2, "wall": 0.01})
+CHS = section_from({"diameter": 0.2191, "wall": 0.01})
 # the columns of the specification: section, segments, axial load, restraint, mass, velocity
 COLUMNS: dict[str, tuple[Any, ...]] = {
     "HEB": (HEB, 0.8, 3.2, 0.5e6, 1e7, 1500.0, 15.0),
     "IPE": (IPE, 1.2, 2.3, 0.15e6, 5e6, 800.0, 8.0),
     "SHS": (SHS, 1.0, 2.5, 0.2e6, 5e6, 1200.0, 12.0),
 }
+COLUMNS["CHS"] = (CHS, *COLUMNS["SHS"][1:])
 # peak along the hit of 60 fiber beams in space (OpenSees), without web shear and warping, m
 FIBERS = {
     "HEB": {0: 0.1897, 30: 0.2805, 45: 0.3098, 60: 0.3331, 90: 0.3554},
@@ -178,6 +180,37 @@ def test_plane_models_refuse_an_angle_and_name_this_one() -> None:
     refused = make_model("four-dof").simulate(struck("HEB", 10.0))
     assert outcome_of(refused).value == "out-of-domain"
     assert any("seven-dof" in each.remedy for each in findings_of(refused))
+
+
+@pytest.mark.parametrize("name", ["four-dof", "single-dof", "energy-estimate"])
+def test_plane_models_answer_round_columns_from_every_side_and_say_so(name: str) -> None:
+    model, straight, oblique = make_model(name), struck("CHS"), struck("CHS", 30.0)
+    response = answered(model, oblique)
+    assert response["peak_displacement"].item() == peak(model, straight)
+    notes = [each for each in findings_of(response) if each.subject == "direction"]
+    assert [each.number for each in notes] == [pytest.approx(30.0)]
+    assert "round" in notes[0].text
+    assert not notes[0].outside
+    assert not [each for each in findings_of(answered(model, straight)) if each in notes]
+    table = simulate_many(model, [oblique, struck("CHS", 60.0)])
+    assert list(table["peak_displacement"]) == [pytest.approx(peak(model, straight), rel=1e-9)] * 2
+
+
+def test_what_is_not_alike_all_round_is_refused_off_the_plane() -> None:
+    tube = struck("CHS", 30.0)
+    ends = {"base_weak": "pinned"}, {"unbraced_length": 2.0}, {"plastic_moment": 2e5}
+    hits = [struck("SHS", 45.0), *(tube.changed(column=tube.column.changed(**e)) for e in ends)]
+    for hit in hits:
+        response = make_model("four-dof").simulate(hit)
+        assert outcome_of(response).value == "out-of-domain"
+        assert [each.subject for each in findings_of(response) if each.refusal] == ["direction"]
+        assert list(simulate_many(make_model("four-dof"), [hit])["outcome"]) == ["out-of-domain"]
+
+
+def test_a_round_column_has_the_error_of_hits_in_the_plane() -> None:
+    straight, oblique = (wb.simulate(struck("CHS", degrees)) for degrees in (0.0, 30.0))
+    assert oblique.attrs["model"] == straight.attrs["model"] != "seven-dof"
+    assert oblique.attrs["error"] == straight.attrs["error"]
 
 
 def test_the_weak_axis_buckles_whatever_the_angle() -> None:

@@ -131,21 +131,33 @@ def findings_before(model: Model, scenario: Any, left_out: Sequence[Finding]) ->
     findings = [*model.domain(scenario), *implausible(scenario), *unused_inputs(model, scenario)]
     findings += left_out
     striker = getattr(scenario, "striker", None)
-    return findings + ([] if striker is None else striker_findings(model, striker))
+    return findings + ([] if striker is None else striker_findings(model, scenario))
 
 
-def striker_findings(model: Any, striker: Striker) -> list[Finding]:
-    """Refusals of a striker that crushes, or hits off the plane or the axis, unknown to a model."""
-    findings = []
+def striker_findings(model: Any, scenario: Any) -> list[Finding]:
+    """Findings on the striker of a scenario, or of a stack of them.
+
+    Refusals of one that crushes, or hits off the plane or the axis, unknown to the model; notes,
+    with which it answers, where that changes nothing.
+    """
+    findings, striker = [], scenario.striker
     if striker.crushes and not getattr(model, "crushing", False):
         findings.append(finding("rigid-striker-alone", name=model.name))
     farthest = float(np.max(striker.angle))  # of a stack
     if farthest > 0.0 and not getattr(model, "spatial", False):
-        findings.append(finding("off-plane", degrees(farthest), name=model.name))
+        name = "off-plane" if is_oblique(scenario) else "round"
+        findings.append(finding(name, degrees(farthest), name=model.name))
     beside = float(np.max(np.abs(striker.eccentricity)))
     if beside > 0.0 and not getattr(model, "eccentric", False):
         findings.append(finding("eccentricity", beside, name=model.name))
     return findings
+
+
+def is_oblique(scenario: Any) -> bool:
+    """Whether a striker, or one of a stack, hits off the plane of what is not alike all round."""
+    column = getattr(scenario, "column", None)
+    alike = column is not None and column.is_round
+    return bool(np.any(scenario.striker.angle > 0.0)) and not alike
 
 
 def crushed(response: Response, striker: Striker) -> Response:

@@ -105,7 +105,7 @@ def simulate_many(
 def admitted(model: Any, scenario: Any) -> Any:
     """The scenario that a model solves in place of an impact; None where it refuses."""
     solved, _, left_out = with_strain_rate(model, scenario)
-    findings = *striker_findings(model, scenario.striker), *model.domain(scenario), *left_out
+    findings = *striker_findings(model, scenario), *model.domain(scenario), *left_out
     return None if any(each.refusal for each in findings) else solved
 
 
@@ -153,7 +153,8 @@ def _parts(
         left.append(np.arange(len(scenarios)))
         return
     for rows, stack in stacks(scenarios):
-        if stack is None or striker_findings(model, stack.striker) or not model.stackable(stack):
+        refused = stack is None or any(f.refusal for f in striker_findings(model, stack))
+        if refused or not model.stackable(stack):
             left.append(rows)
             continue
         for k in range(0, len(rows), CHUNK):

@@ -23,6 +23,7 @@ _NOT_OF_DOMAIN = frozenset(
         *("mesh", "refinement", "time-step", "damping", "yield-ratio", "energy-balance", "no-peak"),
         *(
             "off-web",
+            "direction",
             "section",
             "plates",
             "slender-web",

@@ -22,7 +22,7 @@ from workbench.scenarios.parts import (
     stronger,
 )
 from workbench.steel.materials import MadeOfSteel, Steel
-from workbench.steel.sections import AXES, SECTION, Section
+from workbench.steel.sections import AXES, SECTION, CircularTube, Section
 
 MASS = Number(1e-3, 1e7, "kg")
 VELOCITY = Number(1e-6, 300.0, "m/s", advice="velocities are in m/s, not km/h")
@@ -157,6 +157,14 @@ class Column(MadeOfSteel, table="column"):
     def properties(self) -> MemberProperties:
         """Section values with the overrides of this column applied."""
         return member_properties(self, self.steel, self.length, self.fillets)
+
+    @property
+    def is_round(self) -> bool:
+        """Whether it bends alike in all directions: a round section, held alike, none given."""
+        given = self.second_moment, self.plastic_moment, self.unbraced_length
+        alike = self.ends_about("strong") == self.ends_about("weak")
+        round_ = isinstance(self.section.shape, CircularTube)
+        return round_ and alike and all(each is None for each in given)
 
     @property
     def bars(self) -> dict[str, tuple[float, bool]]:

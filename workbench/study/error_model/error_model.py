@@ -25,7 +25,7 @@ from workbench.base.arrays import Array
 from workbench.base.errors import InputError, OutOfDomainError, WorkbenchError
 from workbench.mechanics.frames.members import SPREAD
 from workbench.mechanics.frames.runs import LARGEST_SHEAR_STRAIN
-from workbench.models.base import Model, findings_before, make_model, options_of
+from workbench.models.base import Model, findings_before, is_oblique, make_model, options_of
 from workbench.models.resistance import column_curve
 from workbench.models.seven_dof import SevenDof
 from workbench.models.strain_rate import feels_rate, steel_of, with_strain_rate
@@ -153,7 +153,7 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     if striker is not None and striker.crushes:
         return TruthRatio(np.empty(0), reason="errors were measured with rigid strikers")
     frame = frame_scenario(scenario).frame
-    if striker is not None and striker.angle:
+    if striker is not None and is_oblique(scenario):
         return TruthRatio(np.empty(0), reason="errors were measured in the plane of the web")
     if any(m.axis == "weak" and m.section != m.section.about("strong") for m in frame.members):
         reason = "errors were measured about the strong axis"
@@ -447,7 +447,7 @@ def order_of(scenario: Any) -> tuple[str, str, str]:
     """The quickest model of a scenario, its quick reference and its finest one."""
     if not isinstance(scenario, ColumnImpact):
         return ORDER
-    return SPATIAL if scenario.striker.angle or scenario.striker.eccentricity else ORDER
+    return SPATIAL if is_oblique(scenario) or scenario.striker.eccentricity else ORDER
 
 
 def better(name: str, scenario: Any) -> tuple[str, ...]:
