@@ -1,34 +1,108 @@
-"""Columns struck as shells: which models of sections that keep their shape hold beside them.
+"""Columns struck as shells: how far models of sections that keep their shape are from them.
 
-Twelve columns are cases of the study: three sections hit at 0, 30 and 90 degrees and on the edge of
-a flange. Two stored data sets are drawn here: pairs of hits through the shear centre and beside it
-(`eccentric-hits`), and columns with slender plates (`slender-shells`):
-`python studies/struck_shells.py pairs FILE`, `slender FILE`.
+Twelve columns are cases of the study: three sections hit at 0, 30 and 90 degrees, and on the edge
+of a flange. Two data sets of the workbench are drawn and written here as well, row by row:
+`python studies/struck_shells.py pairs FILE` hits columns of six families through their shear
+centre and beside it (`eccentric-hits`), `slender FILE` columns with slender plates
+(`slender-shells`).
 
 Masses are such that the mechanism takes the energy over a share of the shorter segment.
 """
 
 import csv
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from math import radians
+from itertools import product
+from math import radians, sqrt
 from pathlib import Path
 
 import numpy as np
 
+from workbench.cli import main
 from workbench.models.domain import mechanism_demand
 from workbench.models.four_dof import FourDof
 from workbench.models.references.fiber_space import FiberSpace
 from workbench.models.references.shell import Shell
 from workbench.models.seven_dof import SevenDof
+from workbench.models.superelement_space import SuperelementSpace
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.responses import Outcome, Response, outcome_of
 from workbench.scenarios import Column, ColumnImpact, Striker
 from workbench.steel.materials import Steel
-from workbench.steel.sections import find, i_section
+from workbench.steel.sections import Section, find, i_section
 from workbench.steel.sections.slenderness import plate_classes, plates_of, shares_by_class
+from workbench.study import Case, Figure, Study
+
+Row = dict[str, float | str]
+
+# --- twelve columns ---------------------------------------------------------------------------
+
+SECTIONS = {
+    "HEB 220": find("HEB 220"),
+    "IPE 300": find("IPE 300"),
+    "I 300x200x5x8": i_section(0.3, 0.2, 0.005, 0.008),
+}
+HITS = {  # angle in degrees, eccentricity over the width
+    "0 degrees, centre": (0.0, 0.0),
+    "0 degrees, edge": (0.0, 0.5),
+    "30 degrees, centre": (30.0, 0.0),
+    "90 degrees, centre": (90.0, 0.0),
+}
+BELOW, ABOVE, PACE, REACHED, LOADED = 1.4, 2.6, 10.0, 0.04, 0.1  # m, m, m/s, over BELOW, of Npl
+SHELLS, FIBERS = "shells", "fibers in space"
+models = {
+    SHELLS: Shell(),
+    FIBERS: FiberSpace(levels=2),
+    "seven-dof": SevenDof(),
+    "superelements in space": SuperelementSpace(),
+}
+
+
+def heavy(column: Column, reach: float, speed: float) -> Striker:
+    """A striker whose energy the mechanism takes over a `reach` (m)."""
+    below, above = column.length_below, column.length_above
+    resistance = 2.0 * column.properties.plastic_moment * (1.0 / below + 1.0 / above)
+    return Striker(round(2.0 * resistance * reach / speed**2, 1), speed)
+
+
+def struck(name: str, hit: str) -> ColumnImpact:
+    """One of the twelve columns."""
+    section, (degrees, beside) = SECTIONS[name], HITS[hit]
+    column = Column(section, BELOW, ABOVE, restraint_stiffness=5e6)
+    column = column.changed(axial_load=LOADED * column.properties.squash_load)
+    striker = replace(heavy(column, REACHED * BELOW, PACE), angle=radians(degrees))
+    impact = ColumnImpact(f"{name}, {hit}", column, striker, 0.4)
+    lasting = 2.0 * float(SevenDof().simulate(impact)["time_of_peak"])
+    striker = replace(striker, eccentricity=beside * section.width)
+    return replace(impact, striker=striker, duration=round(lasting, 4))
+
+
+cases = tuple(
+    Case(
+        impact.name,
+        impact,
+        quick=hit == "0 degrees, centre",
+    )
+    for name, hit in product(SECTIONS, HITS)
+    for impact in (struck(name, hit),)
+)
+study = Study(
+    name="struck_shells",
+    title="Columns struck as shells",
+    question="How far are models of sections that keep their shape from folded plates?",
+    cases=cases,
+    models=models,
+    reference=FIBERS,
+    references=(SHELLS, FIBERS),
+    quantities=("peak_displacement", "residual_displacement"),
+    figures=(Figure("peaks", "peaks", "Peaks against shells", "By case."),),
+    decisive="peaks",
+    quick_models=(FIBERS, "seven-dof"),
+)
+
+# --- hits beside the shear centre ----------------------------------------------------------------
 
 SEED, PAIRS = 46, 60
 FAMILIES = {
@@ -44,6 +118,9 @@ LENGTHS, HEIGHTS = (3.0, 6.0), (0.2, 0.6)  # m; of the impact over the length
 PRESSED, OF_EULER = 0.4, 0.7  # most of the squash load, and of the Euler load about the weak axis
 REACH, SPEEDS = (0.015, 0.08), (3.0, 15.0)  # over the shorter segment; m/s
 PLANE = {"four_dof": FourDof(), "superelement": FlexibleSuperelement()}
+LONGEST = 2.5  # duration over the time in which the plane model comes to its peak
+LATEST = 0.05  # s, of the peak of the plane model
+SHORT = 0.05  # s, of hits that are followed on the default mesh too
 PEAKS = {
     "axis_m": "shell.axis",
     "edge_m": "shell.edge",
@@ -51,22 +128,21 @@ PEAKS = {
     "sideways_m": "sideways",
     "twist_rad": "twist",
 }
-LONGEST = 2.5  # duration over the time in which the plane model comes to its peak
 
 
 def drawn_pairs(seed: int = SEED, count: int = PAIRS) -> Iterator[tuple[ColumnImpact, float]]:
     """So many columns hit through the shear centre, and the eccentricity (m) of the other hit.
 
-    Families take turns; what the plane model does not answer is drawn again.
+    Families take turns; what the plane model does not answer, or has its peak late, is drawn again.
     """
     rng, families = np.random.default_rng(seed), tuple(FAMILIES.values())
     for number in range(count):
-        plane = None
-        while plane is None or outcome_of(plane) is not Outcome.OK:
+        at = np.nan
+        while not at <= LATEST:
             impact, beside = _drawn(rng, families[number % len(families)])
-            plane = FourDof().simulate(impact)
-        lasting = LONGEST * float(plane["time_of_peak"])
-        yield replace(impact, name=f"{number:02d} {impact.name}", duration=round(lasting, 4)), beside
+            at = float(FourDof().simulate(impact).get("time_of_peak", np.nan))
+        name = f"{number:02d} {impact.name}"
+        yield replace(impact, name=name, duration=round(LONGEST * at, 4)), beside
 
 
 def _drawn(rng: np.random.Generator, names: tuple[str, ...]) -> tuple[ColumnImpact, float]:
@@ -79,16 +155,69 @@ def _drawn(rng: np.random.Generator, names: tuple[str, ...]) -> tuple[ColumnImpa
     most = min(PRESSED * column.properties.squash_load, OF_EULER * column.euler_load("weak"))
     column = column.changed(axial_load=round(rng.uniform(0.0, most), -3))
     speed, reach = round(rng.uniform(*SPEEDS), 1), rng.uniform(*REACH) * min(below, above)
-    resistance = 2.0 * column.properties.plastic_moment * (1.0 / below + 1.0 / above)
-    striker = Striker(round(2.0 * resistance * reach / speed**2, 1), speed)
+    striker = heavy(column, reach, speed)
     beside = round(rng.uniform(0.0, 0.5) * section.width, 4)
     name = f"{section.name}, {below:g} + {above:g} m, {speed:g} m/s, {striker.mass:g} kg"
     return ColumnImpact(name, column, striker, 0.4), max(beside, 1e-4)
 
+
+def peaks(response: Response) -> Row:
+    """Largest displacements (m) along the hit of axis, struck edge and face, sideways, and twist.
+
+    With the outcome.
+    """
+    table: Row = {"outcome": outcome_of(response).value}
+    for name, variable in PEAKS.items():
+        history = response.get(variable)
+        table[name] = np.nan if history is None else float(np.abs(history).max())
+    table["time_of_peak_s"] = float(response.get("time_of_peak", np.nan))
+    return table
+
+
+def inputs(impact: ColumnImpact) -> Row:
+    """Numbers that make a drawn impact, but for its section."""
+    column, striker = impact.column, impact.striker
+    return {
+        "yield_stress_Pa": column.steel.yield_stress,
+        "length_below_m": column.length_below,
+        "length_above_m": column.length_above,
+        "axial_load_N": column.axial_load,
+        "restraint_stiffness_N_per_m": column.restraint_stiffness,
+        "striker_mass_kg": striker.mass,
+        "striker_velocity_m_per_s": striker.velocity,
+        "duration_s": impact.duration,
+    }
+
+
+def pair_row(impact: ColumnImpact, beside: float, shell: Shell) -> Row:
+    """Inputs of a pair, the peaks of shells in both hits, and those of plane models."""
+    column = impact.column
+    away = replace(impact.striker, eccentricity=beside)
+    centred = peaks(shell.simulate(impact))
+    eccentric = peaks(shell.simulate(replace(impact, striker=away)))
+    plane = {
+        f"{name}_m": float(model.simulate(impact).get("peak_displacement", np.nan))
+        for name, model in PLANE.items()
+    }
+    return {
+        "case": impact.name,
+        "refinement": shell.refinement,
+        "section": column.section.name,
+        **inputs(impact),
+        "eccentricity_m": beside,
+        "eccentricity_over_half_width": round(2.0 * beside / column.section.width, 4),
+        **plane,
+        **{f"centred_{name}": value for name, value in centred.items()},
+        **{f"eccentric_{name}": value for name, value in eccentric.items()},
+    }
+
+
+# --- slender plates -------------------------------------------------------------------------------
+
 SLENDER = 30
 FLANGES, WEBS = (7.0, 22.0), (30.0, 75.0)  # width over thickness and epsilon: classes 1 to 4
 DEEP, WIDE = (0.2, 0.4), (0.5, 1.0)  # m; over the height
-HIGH_GRADES = (355e6, 460e6)
+HIGH_GRADES = (355e6, 460e6)  # Pa
 MOST_SHEAR, MOST_PRESSED = 0.6, 0.5  # of the mechanism over Vpl; of the squash load
 TILT = 1.0 / 200.0  # of flanges
 
@@ -104,13 +233,14 @@ def drawn_slender(seed: int = SEED, count: int = SLENDER) -> Iterator[ColumnImpa
         while plane is None or outcome_of(plane) is not Outcome.OK:
             impact = _slender(rng, "weak" if number % 3 == 2 else "strong")
             plane = None if impact is None else FourDof().simulate(impact)
-        lasting = LONGEST * float(plane["time_of_peak"])
+        lasting = 2.0 * float(plane["time_of_peak"])
         yield replace(impact, name=f"{number:02d} {impact.name}", duration=round(lasting, 4))
 
 
 def _slender(rng: np.random.Generator, axis: str) -> ColumnImpact | None:
+    """A column that is hit; none where its webs would yield in shear."""
     grade = float(rng.choice(HIGH_GRADES))
-    epsilon = (235e6 / grade) ** 0.5
+    epsilon = sqrt(235e6 / grade)
     height = rng.uniform(*DEEP)
     width = rng.uniform(*WIDE) * height
     flange, web = rng.uniform(*FLANGES) * epsilon, rng.uniform(*WEBS) * epsilon
@@ -125,28 +255,24 @@ def _slender(rng: np.random.Generator, axis: str) -> ColumnImpact | None:
     speed, reach = round(rng.uniform(4.0, 14.0), 1), rng.uniform(0.02, 0.06) * below
     if max(mechanism_demand(column).values()) > MOST_SHEAR:
         return None
-    resistance = 2.0 * column.properties.plastic_moment * (1.0 / below + 1.0 / above)
-    striker = Striker(round(2.0 * resistance * reach / speed**2, 1), speed)
+    striker = heavy(column, reach, speed)
     name = f"{section.name}, {axis}, {below:g} + {above:g} m, {speed:g} m/s, {striker.mass:g} kg"
     return ColumnImpact(name, column, striker, 0.4)
 
 
-def slender_row(impact: ColumnImpact, shell: Shell) -> dict[str, float | str]:
+def slender_row(impact: ColumnImpact, shell: Shell) -> Row:
     """Inputs of a column with slender plates, peaks of shells and of fibers in space."""
     column = impact.column
-    plates = plates_of(column.section)
+    section: Section = column.section.about("strong")
+    plates, shape = plates_of(section), section.shape
     classes = plate_classes(column.section, column.steel)
-    epsilon = (235e6 / column.steel.yield_stress) ** 0.5
-    shape = column.section.about("strong").shape
-    weaker = shares_by_class(column.section.about("strong"), column.section.about("strong"), column.steel)
-    solved = shell.simulate(impact)
+    epsilon = sqrt(235e6 / column.steel.yield_stress)
+    area, modulus = shares_by_class(section, section, column.steel)
     beam = FiberSpace(levels=1).simulate(impact)
     return {
         "case": impact.name,
-        "height_m": shape.height,
-        "width_m": shape.width,
-        "web_m": shape.web,
-        "flange_m": shape.flange,
+        "refinement": shell.refinement,
+        **{f"{part}_m": getattr(shape, part) for part in ("height", "width", "web", "flange")},
         **inputs(impact),
         "axis": column.axis,
         "axial_over_squash": column.axial_load / column.properties.squash_load,
@@ -154,95 +280,41 @@ def slender_row(impact: ColumnImpact, shell: Shell) -> dict[str, float | str]:
         "web_over_epsilon": plates.web / plates.web_thickness / epsilon,
         "class_pressed": classes.pressed,
         "class_bent": classes.bent,
-        "effective_area_share": weaker[0],
-        "effective_modulus_share": weaker[1],
+        "effective_area_share": area,
+        "effective_modulus_share": modulus,
         "fiber_space_m": float(beam["peak_displacement"]),
-        **{f"shell_{name}": value for name, value in peaks(solved).items()},
+        **{f"shell_{name}": value for name, value in peaks(shell.simulate(impact)).items()},
     }
 
 
-BELOW, ABOVE, PACE, LOADED, SHARE = 1.4, 2.6, 10.0, 0.1, 0.04
-TWELVE = ("HEB 220", "IPE 300", "I 300x200x5x8")
+# --- files ----------------------------------------------------------------------------------------
 
 
-def struck(name: str, degrees_off: float, edge: bool) -> ColumnImpact:
-    """One of the twelve columns, hit at an angle in degrees, on the `edge` of its flange or not."""
-    section = i_section(0.3, 0.2, 0.005, 0.008) if name == TWELVE[2] else find(name)
-    column = Column(section, BELOW, ABOVE, restraint_stiffness=5e6)
-    column = column.changed(axial_load=LOADED * column.properties.squash_load)
-    resistance = 2.0 * column.properties.plastic_moment * (1.0 / BELOW + 1.0 / ABOVE)
-    mass = round(2.0 * resistance * SHARE * BELOW / PACE**2, 1)
-    angle = radians(degrees_off)
-    beside = 0.5 * section.width if edge else 0.0
-    striker = Striker(mass, PACE, angle=angle, eccentricity=0.0)
-    title = f"{name}, {degrees_off:g} degrees, {'edge' if edge else 'centre'}"
-    impact = ColumnImpact(title, column, striker, 0.4)
-    lasting = 2.0 * float(SevenDof().simulate(impact)["time_of_peak"])
-    striker = replace(striker, eccentricity=beside)
-    return replace(impact, striker=striker, duration=round(lasting, 4))
-
-
-def peaks(response: Response) -> dict[str, float | str]:
-    """Largest displacements (m) along the hit of axis, struck edge and face, sideways, and twist.
-
-    With the outcome.
-    """
-    table: dict[str, float | str] = {"outcome": outcome_of(response).value}
-    for name, variable in PEAKS.items():
-        history = response.get(variable)
-        table[name] = np.nan if history is None else float(np.abs(history).max())
-    table["time_of_peak_s"] = float(response.get("time_of_peak", np.nan))
-    return table
-
-
-def inputs(impact: ColumnImpact) -> dict[str, float | str]:
-    """Numbers that make a drawn impact, but for its section."""
-    column, striker = impact.column, impact.striker
-    return {
-        "yield_stress_Pa": column.steel.yield_stress,
-        "length_below_m": column.length_below,
-        "length_above_m": column.length_above,
-        "axial_load_N": column.axial_load,
-        "restraint_stiffness_N_per_m": column.restraint_stiffness,
-        "striker_mass_kg": striker.mass,
-        "striker_velocity_m_per_s": striker.velocity,
-        "duration_s": impact.duration,
-    }
-
-
-def row(impact: ColumnImpact, beside: float, shell: Shell) -> dict[str, float | str]:
-    """Inputs of a pair, the peaks of shells in both hits, and those of plane models."""
-    column, striker = impact.column, impact.striker
-    centred = peaks(shell.simulate(impact))
-    eccentric = peaks(shell.simulate(impact.changed(striker=replace(striker, eccentricity=beside))))
-    plane = {
-        f"{name}_m": float(model.simulate(impact).get("peak_displacement", np.nan))
-        for name, model in PLANE.items()
-    }
-    return {
-        "case": impact.name,
-        "section": column.section.name,
-        **inputs(impact),
-        "eccentricity_m": beside,
-        "eccentricity_over_half_width": round(2.0 * beside / column.section.width, 4),
-        **plane,
-        **{f"centred_{name}": value for name, value in centred.items()},
-        **{f"eccentric_{name}": value for name, value in eccentric.items()},
-    }
+def asked(what: str) -> Iterator[tuple[ColumnImpact, Shell, Callable[[], Row]]]:
+    """Impacts of a set, the shells that answer them, and what makes their rows."""
+    if what == "slender":
+        shell = Shell(levels=1, tilt=TILT)
+        for impact in drawn_slender():
+            yield impact, shell, partial(slender_row, impact, shell)
+        return
+    for refinement in (-1, 0):
+        shell = Shell(levels=1, refinement=refinement)
+        for impact, beside in drawn_pairs():
+            if refinement < 0 or impact.duration <= SHORT:
+                yield impact, shell, partial(pair_row, impact, beside, shell)
 
 
 def write(path: Path, what: str) -> None:
-    """Write the rows that the file at `path` does not hold yet, one after another."""
-    known: set[str] = set()
+    """Write the rows that the file at `path` does not hold yet, one after another.
+
+    Pairs on the coarser mesh, those that are short on the default one too.
+    """
+    known: set[tuple[str, str]] = set()
     if path.exists():
         with path.open(newline="") as file:
-            known = {line["case"] for line in csv.DictReader(file)}
-    if what == "pairs":
-        asks = ((impact, partial(row, impact, beside, Shell(levels=1))) for impact, beside in drawn_pairs())
-    else:
-        asks = ((impact, partial(slender_row, impact, Shell(levels=1, tilt=TILT))) for impact in drawn_slender())
-    for impact, ask in asks:
-        if impact.name in known:
+            known = {(line["case"], line["refinement"]) for line in csv.DictReader(file)}
+    for impact, shell, ask in asked(what):
+        if (impact.name, str(shell.refinement)) in known:
             continue
         kept = {k: float(f"{v:.6g}") if isinstance(v, float) else v for k, v in ask().items()}
         with path.open("a", newline="") as file:
@@ -253,4 +325,7 @@ def write(path: Path, what: str) -> None:
 
 
 if __name__ == "__main__":
-    write(Path(sys.argv[2]), sys.argv[1])
+    if sys.argv[1:2] in (["pairs"], ["slender"]):
+        write(Path(sys.argv[2]), sys.argv[1])
+    else:
+        main(["run", __file__, *sys.argv[1:]])
