@@ -22,6 +22,7 @@ import numpy as np
 
 from workbench.cli import main
 from workbench.models.domain import mechanism_demand
+from workbench.models.eccentric import features
 from workbench.models.four_dof import FourDof
 from workbench.models.references.fiber_space import FiberSpace
 from workbench.models.references.shell import Shell
@@ -194,10 +195,10 @@ def inputs(impact: ColumnImpact) -> Row:
 
 def pair_row(impact: ColumnImpact, beside: float, shell: Shell) -> Row:
     """Inputs of a pair, the peaks of shells in both hits, and those of plane models."""
-    column = impact.column
     away = replace(impact.striker, eccentricity=beside)
     centred = peaks(shell.simulate(impact))
-    eccentric = peaks(shell.simulate(replace(impact, striker=away)))
+    beside_centre = replace(impact, striker=away)
+    eccentric = peaks(shell.simulate(beside_centre))
     plane = {
         f"{name}_m": float(model.simulate(impact).get("peak_displacement", np.nan))
         for name, model in PLANE.items()
@@ -205,10 +206,10 @@ def pair_row(impact: ColumnImpact, beside: float, shell: Shell) -> Row:
     return {
         "case": impact.name,
         "refinement": shell.refinement,
-        "section": column.section.name,
+        "section": impact.column.section.name,
         **inputs(impact),
         "eccentricity_m": beside,
-        "eccentricity_over_half_width": round(2.0 * beside / column.section.width, 4),
+        **features(beside_centre),
         **plane,
         **{f"centred_{name}": value for name, value in centred.items()},
         **{f"eccentric_{name}": value for name, value in eccentric.items()},

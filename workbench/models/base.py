@@ -23,6 +23,7 @@ from workbench.base.fields import Declared, check_keys, did_you_mean
 from workbench.base.offered import offered
 from workbench.mechanics.frames.elastic import linear_algebra
 from workbench.models.domain import implausible, unused_inputs
+from workbench.models.eccentric import eccentric_finding
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import (
     VARIABLES,
@@ -138,7 +139,7 @@ def striker_findings(model: Any, scenario: Any) -> list[Finding]:
     """Findings on the striker of a scenario, or of a stack of them.
 
     Refusals of one that crushes, or hits off the plane or the axis, unknown to the model; notes,
-    with which it answers, where that changes nothing.
+    with which it answers, where that changes nothing, or by a factor that was measured.
     """
     findings, striker = [], scenario.striker
     if striker.crushes and not getattr(model, "crushing", False):
@@ -149,7 +150,7 @@ def striker_findings(model: Any, scenario: Any) -> list[Finding]:
         findings.append(finding(name, degrees(farthest), name=model.name))
     beside = float(np.max(np.abs(striker.eccentricity)))
     if beside > 0.0 and not getattr(model, "eccentric", False):
-        findings.append(finding("eccentricity", beside, name=model.name))
+        findings.append(eccentric_finding(model.name, scenario, beside))
     return findings
 
 
