@@ -220,6 +220,7 @@ def pair_row(impact: ColumnImpact, beside: float, shell: Shell) -> Row:
 
 SLENDER = 30
 FLANGES, WEBS = (7.0, 22.0), (30.0, 75.0)  # width over thickness and epsilon: classes 1 to 4
+STOCKY_FLANGES, STOCKY_WEBS, VERY_SLENDER = (7.0, 15.0), (25.0, 50.0), 8  # first columns: FLANGES
 DEEP, WIDE = (0.2, 0.4), (0.5, 1.0)  # m; over the height
 HIGH_GRADES = (355e6, 460e6)  # Pa
 MOST_SHEAR, MOST_PRESSED = 0.6, 0.5  # of the mechanism over Vpl; of the squash load
@@ -235,19 +236,21 @@ def drawn_slender(seed: int = SEED, count: int = SLENDER) -> Iterator[ColumnImpa
     for number in range(count):
         plane = None
         while plane is None or outcome_of(plane) is not Outcome.OK:
-            impact = _slender(rng, "weak" if number % 3 == 2 else "strong")
+            stocky = number >= VERY_SLENDER
+            impact = _slender(rng, "weak" if number % 3 == 2 else "strong", stocky)
             plane = None if impact is None else FourDof().simulate(impact)
         lasting = 2.0 * float(plane["time_of_peak"])
         yield replace(impact, name=f"{number:02d} {impact.name}", duration=round(lasting, 4))
 
 
-def _slender(rng: np.random.Generator, axis: str) -> ColumnImpact | None:
+def _slender(rng: np.random.Generator, axis: str, stocky: bool) -> ColumnImpact | None:
     """A column that is hit; none where its webs would yield in shear."""
     grade = float(rng.choice(HIGH_GRADES))
     epsilon = sqrt(235e6 / grade)
     height = rng.uniform(*DEEP)
     width = rng.uniform(*WIDE) * height
-    flange, web = rng.uniform(*FLANGES) * epsilon, rng.uniform(*WEBS) * epsilon
+    ratios = (STOCKY_FLANGES, STOCKY_WEBS) if stocky else (FLANGES, WEBS)
+    flange, web = (rng.uniform(*each) * epsilon for each in ratios)
     thick = 0.5 * width / (flange + 0.5)
     sizes = height, width, (height - 2.0 * thick) / web, thick
     section = i_section(*(round(size, 4) for size in sizes))
