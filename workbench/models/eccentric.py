@@ -20,12 +20,12 @@ from workbench.steel.sections import ISection
 
 DATASET, MESH = "eccentric-hits", -1  # the mesh that answered all pairs
 EDGE, FACE = "eccentric_edge_m", "eccentric_face_m"  # of the struck flange; of the striker
+BESIDE, PRESSED = "eccentricity_over_half_width", "axial_over_squash"
 FEATURES = {
-    "eccentricity_over_half_width": "eccentricity over half the width of the flange",
+    BESIDE: "eccentricity over half the width of the flange",
     "ln_mechanism_over_flange": "ln of the resistance of the mechanism over f_y t_f squared",
     "ln_way_over_half_width": "ln of the way that the mechanism needs over half the width",
 }
-PRESSED = "axial_over_squash"
 LEVELS = 0.05, 0.5, 0.95  # lower end, middle and upper end of the interval
 
 
@@ -63,8 +63,9 @@ def line(target: str) -> Line:
     inverse = np.linalg.pinv(given)
     own = np.einsum("ij,ji->i", given, inverse)
     rests = (ratios - given @ inverse @ ratios) / (1.0 - own)
-    drawn = pairs[[*FEATURES, PRESSED]]
-    return Line(inverse @ ratios, np.sort(rests), dict(drawn.min()), dict(drawn.max()))
+    drawn = pairs[[*FEATURES, PRESSED]]  # from the shear centre to the edge, from no load on
+    least, most = {**drawn.min(), BESIDE: 0.0, PRESSED: 0.0}, {**drawn.max(), BESIDE: 1.0}
+    return Line(inverse @ ratios, np.sort(rests), least, most)
 
 
 def eccentric_finding(name: str, scenario: Any, beside: float) -> Finding:
