@@ -21,8 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.cli import main
-from workbench.models.domain import mechanism_demand
-from workbench.models.eccentric import features
+from workbench.models.domain import features_beside, mechanism_demand
 from workbench.models.four_dof import FourDof
 from workbench.models.references.fiber_space import FiberSpace
 from workbench.models.references.shell import Shell
@@ -209,7 +208,7 @@ def pair_row(impact: ColumnImpact, beside: float, shell: Shell) -> Row:
         "section": impact.column.section.name,
         **inputs(impact),
         "eccentricity_m": beside,
-        **features(beside_centre),
+        **features_beside(beside_centre),
         **plane,
         **{f"centred_{name}": value for name, value in centred.items()},
         **{f"eccentric_{name}": value for name, value in eccentric.items()},

@@ -11,17 +11,17 @@ import pytest
 from workbench.base.catalogue import load
 from workbench.models.base import make_model
 from workbench.models.batch import simulate_many
-from workbench.models.eccentric import (
-    DATASET,
+from workbench.models.domain import (
     EDGE,
     FACE,
-    FEATURES,
+    FEATURES_BESIDE,
     MESH,
+    PAIRS_BESIDE,
     PRESSED,
     factor,
-    features,
+    factor_line,
+    features_beside,
     is_drawn,
-    line,
     log_factors,
 )
 from workbench.models.references.shell import Shell
@@ -31,7 +31,7 @@ from workbench.steel.materials import Steel
 from workbench.steel.sections import find
 from workbench.study.error_model.error_model import choose, expected_error
 
-PAIRS = load(DATASET)
+PAIRS = load(PAIRS_BESIDE)
 ANSWERED = PAIRS[(PAIRS["refinement"] == MESH) & (PAIRS["eccentric_outcome"] == "ok")]
 HIT = ColumnImpact(
     "hit", Column("HEB 220", 1.6, 2.3, axial_load=3e5), Striker(760.0, 9.9, eccentricity=0.07), 0.05
@@ -62,8 +62,8 @@ def test_sixty_pairs_of_six_families_were_drawn_and_more_that_go_far() -> None:
 
 def test_stored_features_are_those_of_the_stored_inputs() -> None:
     for _, row in PAIRS.iterrows():
-        values = features(drawn(row))
-        for name in (*FEATURES, PRESSED):
+        values = features_beside(drawn(row))
+        for name in (*FEATURES_BESIDE, PRESSED):
             assert values[name] == pytest.approx(row[name], rel=2e-5, abs=1e-5)
 
 
@@ -87,11 +87,11 @@ def test_the_default_mesh_says_the_same_of_edge_and_striker() -> None:
 @pytest.mark.parametrize("target", [EDGE, FACE])
 def test_nine_of_ten_pairs_lie_in_the_interval_of_the_others(target: str) -> None:
     """The line by another solver; rests by lines without their pair."""
-    given = np.column_stack([np.ones(len(ANSWERED)), ANSWERED[list(FEATURES)]])
+    given = np.column_stack([np.ones(len(ANSWERED)), ANSWERED[list(FEATURES_BESIDE)]])
     ratios = np.log(ANSWERED[target] / ANSWERED["centred_axis_m"]).to_numpy()
     known = np.isfinite(ratios)
     given, ratios = given[known], ratios[known]
-    found = line(target)
+    found = factor_line(target)
     assert found.coefficients == pytest.approx(np.linalg.lstsq(given, ratios)[0], rel=1e-6)
     rests = []
     for number in range(len(ratios)):

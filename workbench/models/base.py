@@ -22,8 +22,7 @@ from workbench.base.errors import CollapseError, InputError, OutOfDomainError, S
 from workbench.base.fields import Declared, check_keys, did_you_mean
 from workbench.base.offered import offered
 from workbench.mechanics.frames.elastic import linear_algebra
-from workbench.models.domain import implausible, unused_inputs
-from workbench.models.eccentric import eccentric_finding
+from workbench.models.domain import eccentric_finding, implausible, unused_inputs
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import (
     VARIABLES,

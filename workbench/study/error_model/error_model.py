@@ -26,7 +26,7 @@ from workbench.base.errors import InputError, OutOfDomainError, WorkbenchError
 from workbench.mechanics.frames.members import SPREAD
 from workbench.mechanics.frames.runs import LARGEST_SHEAR_STRAIN
 from workbench.models.base import Model, findings_before, is_oblique, make_model, options_of
-from workbench.models.eccentric import FACE, is_drawn, log_factors
+from workbench.models.domain import FACE, is_drawn, log_factors
 from workbench.models.resistance import column_curve
 from workbench.models.seven_dof import SevenDof
 from workbench.models.strain_rate import feels_rate, steel_of, with_strain_rate
