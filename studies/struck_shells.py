@@ -323,12 +323,19 @@ def write(path: Path, what: str) -> None:
     for impact, shell, ask in asked(what):
         if (impact.name, str(shell.refinement)) in known:
             continue
-        kept = {k: float(f"{v:.6g}") if isinstance(v, float) else v for k, v in ask().items()}
+        kept = {name: _shown(value) for name, value in ask().items()}
         with path.open("a", newline="") as file:
             writer = csv.DictWriter(file, fieldnames=list(kept))
             if file.tell() == 0:
                 writer.writeheader()
             writer.writerow(kept)
+
+
+def _shown(value: float | str) -> float | str:
+    """A cell of a table: six digits, empty for a number that is not known."""
+    if not isinstance(value, float):
+        return value
+    return "" if np.isnan(value) else float(f"{value:.6g}")
 
 
 if __name__ == "__main__":

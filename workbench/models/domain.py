@@ -34,6 +34,7 @@ from workbench.scenarios.pulse import UNIFORM
 from workbench.steel.hinges import ShearSurface, has_webs
 from workbench.steel.materials import Steel
 from workbench.steel.sections import ISection, Section
+from workbench.steel.sections.slenderness import plates_of
 
 BUCKLING_WARNING = 2.0  # critical factor below which second-order effects dominate
 _ENOUGH = 8  # bars of members that a light striker does not hit: their first modes within 3 %
@@ -128,6 +129,9 @@ _LEAST_MASS = 0.01  # of the steel, below which masses look like t
 _SI = {"kN": "N", "t": "kg"}
 _FAST, _VEHICLE = 60.0, 500.0  # m/s and kg: beyond both a velocity looks like km/h
 _STUB = 2.0  # length of a segment over the height of its section
+FOLDS_FROM = {"strong": 10.0, "weak": 14.0}  # outstand over thickness and epsilon, by axis
+FOLDS = -0.31, 1.96, 0.023  # ln of the way of shells over that of fibers: 1, P/Npl, outstand
+FOLDS_MUCH = 1.10
 _EULER_WARNING = 0.5  # share of the Euler load above which second-order effects dominate
 
 
@@ -201,7 +205,24 @@ def buckling_findings(scenario: ColumnScenario) -> list[Finding]:
         )
     elif load > _EULER_WARNING * critical:
         findings.append(finding("euler-near", load / critical))
-    return findings
+    return findings + folding_findings(column)
+
+
+def folding_findings(column: Column) -> list[Finding]:
+    """Warning of flanges that fold, with which shells go more than 10 % farther than hinges.
+
+    A rule fitted to the data set `slender-shells`, see docs/theory/shell.md.
+    """
+    if not isinstance(column.section.about("strong").shape, ISection):
+        return []
+    plates = plates_of(column.section)
+    outstand = plates.flange / plates.flange_thickness / np.sqrt(235e6 / column.steel.yield_stress)
+    pressed = column.axial_load / column.properties.squash_load
+    constant, by_load, by_plate = FOLDS
+    farther = np.exp(constant + by_load * pressed + by_plate * outstand)
+    if outstand <= FOLDS_FROM[column.axis] or farther <= FOLDS_MUCH:
+        return []
+    return [finding("flanges-fold", farther, outstand=outstand, pressed=pressed)]
 
 
 def shear_findings(scenario: ColumnScenario) -> list[Finding]:
