@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import radians, tan
 from typing import Any
 
 import numpy as np
@@ -168,3 +169,20 @@ def test_the_error_of_an_answer_holds_what_it_leaves_out() -> None:
     assert ratio == pytest.approx(np.exp(np.median(log_factors(HIT, FACE))), rel=1e-3)
     assert beside.residual is None
     assert choose(HIT).model == "shell"
+
+
+def test_an_oblique_hit_folds_the_flange_that_its_line_meets() -> None:
+    """As one along the web so far beside it; from the corner on edges of both flanges are hit."""
+
+    def oblique(degrees: float) -> list[str]:
+        striker = HIT.striker.changed(angle=radians(degrees), eccentricity=0.0)
+        response = make_model("seven-dof").simulate(replace(HIT, striker=striker))
+        return [each.text for each in findings_of(response) if each.subject == "direction"]
+
+    beside = 0.5 * (0.22 - 0.016) * tan(radians(30.0))
+    along = replace(HIT, striker=HIT.striker.changed(eccentricity=beside))
+    low, middle, high = factor(along, FACE)
+    (text,) = oblique(30.0)
+    assert f"{beside:.3g} m beside the web" in text
+    assert f"goes {middle:.2f} times ({low:.2f} to {high:.2f})" in text
+    assert oblique(0.0) == oblique(60.0) == []

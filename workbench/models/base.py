@@ -22,7 +22,12 @@ from workbench.base.errors import CollapseError, InputError, OutOfDomainError, S
 from workbench.base.fields import Declared, check_keys, did_you_mean
 from workbench.base.offered import offered
 from workbench.mechanics.frames.elastic import linear_algebra
-from workbench.models.domain import eccentric_finding, implausible, unused_inputs
+from workbench.models.domain import (
+    eccentric_finding,
+    implausible,
+    oblique_findings,
+    unused_inputs,
+)
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import (
     VARIABLES,
@@ -131,7 +136,11 @@ def findings_before(model: Model, scenario: Any, left_out: Sequence[Finding]) ->
     findings = [*model.domain(scenario), *implausible(scenario), *unused_inputs(model, scenario)]
     findings += left_out
     striker = getattr(scenario, "striker", None)
-    return findings + ([] if striker is None else striker_findings(model, scenario))
+    if striker is None:
+        return findings
+    findings += striker_findings(model, scenario)
+    plain = getattr(model, "eccentric", False) or not getattr(model, "spatial", False)
+    return findings if plain else findings + oblique_findings(scenario)
 
 
 def striker_findings(model: Any, scenario: Any) -> list[Finding]:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from functools import lru_cache
+from math import sqrt, tan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -208,15 +209,21 @@ def buckling_findings(scenario: ColumnScenario) -> list[Finding]:
     return findings + folding_findings(column)
 
 
+@lru_cache(maxsize=64)
+def flange_outstand(section: Section, steel: Steel) -> float:
+    """Outstand of the flanges of an I section over thickness and epsilon; 0 of other sections."""
+    if not isinstance(section.about("strong").shape, ISection):
+        return 0.0
+    plates = plates_of(section)
+    return plates.flange / plates.flange_thickness / sqrt(235e6 / steel.yield_stress)
+
+
 def folding_findings(column: Column) -> list[Finding]:
     """Warning of flanges that fold, with which shells go more than 10 % farther than hinges.
 
     A rule fitted to the data set `slender-shells`, see docs/theory/shell.md.
     """
-    if not isinstance(column.section.about("strong").shape, ISection):
-        return []
-    plates = plates_of(column.section)
-    outstand = plates.flange / plates.flange_thickness / np.sqrt(235e6 / column.steel.yield_stress)
+    outstand = flange_outstand(column.section, column.steel)
     pressed = column.axial_load / column.properties.squash_load
     constant, by_load, by_plate = FOLDS
     farther = np.exp(constant + by_load * pressed + by_plate * outstand)
@@ -466,6 +473,24 @@ def eccentric_finding(name: str, scenario: Any, beside: float) -> Finding:
         return finding("eccentricity", beside, name=name)
     edge, face = (factor(scenario, target) for target in (EDGE, FACE))
     return finding("eccentric-factor", beside, name=name, edge=edge, face=face)
+
+
+def oblique_findings(scenario: Any) -> list[Finding]:
+    """Note of an oblique hit of an I section whose line meets the flange beside the web.
+
+    How far the striker goes as it folds that flange, as drawn along the web.
+    """
+    column, striker = getattr(scenario, "column", None), scenario.striker
+    shape = None if column is None else column.section.shape
+    if not isinstance(shape, ISection) or striker.eccentricity or not striker.angle:
+        return []
+    beside = 0.5 * (shape.height - shape.flange) * tan(striker.angle)
+    if beside > 0.5 * shape.width:  # the edges of both flanges are struck
+        return []
+    along = scenario.changed(striker=striker.changed(angle=0.0, eccentricity=beside))
+    if not is_drawn(along):
+        return []
+    return [finding("oblique-flange", beside, face=factor(along, FACE))]
 
 
 def is_drawn(scenario: Any) -> bool:
