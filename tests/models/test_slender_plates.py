@@ -7,8 +7,8 @@ import pytest
 
 from workbench.base.catalogue import load
 from workbench.models.base import make_model
-from workbench.models.domain import FOLDS, FOLDS_FROM, FOLDS_MUCH, folding_findings
-from workbench.responses import findings_of
+from workbench.models.domain import FOLDS, FOLDS_FROM, FOLDS_MUCH, buckling_findings
+from workbench.responses import Finding, findings_of
 from workbench.scenarios import Column, ColumnImpact, Striker
 from workbench.steel.materials import Steel
 from workbench.steel.sections import i_section
@@ -19,6 +19,12 @@ FARTHER = ANSWERED["shell_axis_m"] / ANSWERED["fiber_space_m"]
 SLENDER = ANSWERED["flange_over_epsilon"] > ANSWERED["axis"].map(FOLDS_FROM)
 FELL = 0.45  # of the squash load
 THIN = Column(i_section(0.3, 0.25, 0.008, 0.008), 1.5, 2.5, Steel(yield_stress=355e6))
+
+
+def folding_findings(column: Column) -> list[Finding]:
+    """Those of a hit column about its plates."""
+    found = buckling_findings(ColumnImpact("hit", column, Striker(600.0, 6.0), 0.02))
+    return [each for each in found if each.subject == "local-buckling"]
 
 
 def test_the_rule_is_that_of_the_stored_shells() -> None:

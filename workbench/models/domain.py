@@ -206,7 +206,9 @@ def buckling_findings(scenario: ColumnScenario) -> list[Finding]:
         )
     elif load > _EULER_WARNING * critical:
         findings.append(finding("euler-near", load / critical))
-    return findings + folding_findings(column)
+    if flange_outstand(column.section, column.steel) > FOLDS_FROM[column.axis]:
+        findings += folding_findings(column)
+    return findings
 
 
 @lru_cache(maxsize=64)
@@ -219,7 +221,7 @@ def flange_outstand(section: Section, steel: Steel) -> float:
 
 
 def folding_findings(column: Column) -> list[Finding]:
-    """Warning of flanges that fold, with which shells go more than 10 % farther than hinges.
+    """Warning of slender flanges, with which shells go more than 10 % farther than hinges.
 
     A rule fitted to the data set `slender-shells`, see docs/theory/shell.md.
     """
@@ -227,7 +229,7 @@ def folding_findings(column: Column) -> list[Finding]:
     pressed = column.axial_load / column.properties.squash_load
     constant, by_load, by_plate = FOLDS
     farther = np.exp(constant + by_load * pressed + by_plate * outstand)
-    if outstand <= FOLDS_FROM[column.axis] or farther <= FOLDS_MUCH:
+    if farther <= FOLDS_MUCH:
         return []
     return [finding("flanges-fold", farther, outstand=outstand, pressed=pressed)]
 
