@@ -303,8 +303,8 @@ def test_outside_its_domain_it_says_so(column: Column, place, subject: str) -> N
 
 
 @pytest.mark.parametrize("name", ["four-dof", "single-dof", "flexible-superelement"])
-def test_other_models_refuse_a_hit_beside_the_shear_centre(name: str) -> None:
-    scenario = ColumnImpact("hit", THESIS, Striker(1500.0, 10.0, eccentricity=0.05))
+def test_other_models_refuse_what_was_not_drawn_beside_the_shear_centre(name: str) -> None:
+    scenario = ColumnImpact("hit", THESIS, Striker(1500.0, 10.0, angle=0.1, eccentricity=0.05))
     response = make_model(name).simulate(scenario)
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
     assert "take shell" in response.attrs["message"]

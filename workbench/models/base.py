@@ -22,7 +22,12 @@ from workbench.base.errors import CollapseError, InputError, OutOfDomainError, S
 from workbench.base.fields import Declared, check_keys, did_you_mean
 from workbench.base.offered import offered
 from workbench.mechanics.frames.elastic import linear_algebra
-from workbench.models.domain import implausible, unused_inputs
+from workbench.models.domain import (
+    eccentric_finding,
+    implausible,
+    oblique_findings,
+    unused_inputs,
+)
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import (
     VARIABLES,
@@ -135,14 +140,18 @@ def findings_before(model: Model, scenario: Any, left_out: Sequence[Finding]) ->
     findings = [*model.domain(scenario), *implausible(scenario), *unused_inputs(model, scenario)]
     findings += left_out
     striker = getattr(scenario, "striker", None)
-    return findings + ([] if striker is None else striker_findings(model, scenario))
+    if striker is None:
+        return findings
+    findings += striker_findings(model, scenario)
+    plain = getattr(model, "eccentric", False) or not getattr(model, "spatial", False)
+    return findings if plain else findings + oblique_findings(scenario)
 
 
 def striker_findings(model: Any, scenario: Any) -> list[Finding]:
     """Findings on the striker of a scenario, or of a stack of them.
 
     Refusals of one that crushes, or hits off the plane or the axis, unknown to the model; notes,
-    with which it answers, where that changes nothing.
+    with which it answers, where that changes nothing, or by a factor that was measured.
     """
     findings, striker = [], scenario.striker
     if striker.crushes and not getattr(model, "crushing", False):
@@ -153,7 +162,7 @@ def striker_findings(model: Any, scenario: Any) -> list[Finding]:
         findings.append(finding(name, degrees(farthest), name=model.name))
     beside = float(np.max(np.abs(striker.eccentricity)))
     if beside > 0.0 and not getattr(model, "eccentric", False):
-        findings.append(finding("eccentricity", beside, name=model.name))
+        findings.append(eccentric_finding(model.name, scenario, beside))
     return findings
 
 

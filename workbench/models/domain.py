@@ -1,12 +1,15 @@
-"""Where member models stop applying: loads, stability, plastic shear, webs; odd input."""
+"""Where member models stop applying: loads, stability, shear, webs; odd input; hits beside."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from functools import lru_cache
-from typing import Any
+from math import sqrt, tan
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from workbench.base.arrays import Array
+from workbench.base.catalogue import load
 from workbench.base.codec import set_inputs
 from workbench.mechanics.frames.collapse import member_strength
 from workbench.mechanics.frames.elastic import ElasticFrame, dead_load_state
@@ -16,6 +19,7 @@ from workbench.mechanics.frames.structure import dead_loads, free_to_spin
 from workbench.responses import Finding, finding
 from workbench.scenarios import (
     Column,
+    ColumnImpact,
     ColumnScenario,
     Frame,
     FrameGroundMotion,
@@ -30,7 +34,8 @@ from workbench.scenarios.parts import MemberProperties
 from workbench.scenarios.pulse import UNIFORM
 from workbench.steel.hinges import ShearSurface, has_webs
 from workbench.steel.materials import Steel
-from workbench.steel.sections import Section
+from workbench.steel.sections import ISection, Section
+from workbench.steel.sections.slenderness import plates_of
 
 BUCKLING_WARNING = 2.0  # critical factor below which second-order effects dominate
 _ENOUGH = 8  # bars of members that a light striker does not hit: their first modes within 3 %
@@ -125,6 +130,9 @@ _LEAST_MASS = 0.01  # of the steel, below which masses look like t
 _SI = {"kN": "N", "t": "kg"}
 _FAST, _VEHICLE = 60.0, 500.0  # m/s and kg: beyond both a velocity looks like km/h
 _STUB = 2.0  # length of a segment over the height of its section
+FOLDS_FROM = {"strong": 10.0, "weak": 14.0}  # outstand over thickness and epsilon, by axis
+FOLDS = -0.31, 1.96, 0.023  # ln of the way of shells over that of fibers: 1, P/Npl, outstand
+FOLDS_MUCH = 1.10
 _EULER_WARNING = 0.5  # share of the Euler load above which second-order effects dominate
 
 
@@ -198,7 +206,32 @@ def buckling_findings(scenario: ColumnScenario) -> list[Finding]:
         )
     elif load > _EULER_WARNING * critical:
         findings.append(finding("euler-near", load / critical))
+    if flange_outstand(column.section, column.steel) > FOLDS_FROM[column.axis]:
+        findings += folding_findings(column)
     return findings
+
+
+@lru_cache(maxsize=64)
+def flange_outstand(section: Section, steel: Steel) -> float:
+    """Outstand of the flanges of an I section over thickness and epsilon; 0 of other sections."""
+    if not isinstance(section.about("strong").shape, ISection):
+        return 0.0
+    plates = plates_of(section)
+    return plates.flange / plates.flange_thickness / sqrt(235e6 / steel.yield_stress)
+
+
+def folding_findings(column: Column) -> list[Finding]:
+    """Warning of slender flanges, with which shells go more than 10 % farther than hinges.
+
+    A rule fitted to the data set `slender-shells`, see docs/theory/shell.md.
+    """
+    outstand = flange_outstand(column.section, column.steel)
+    pressed = column.axial_load / column.properties.squash_load
+    constant, by_load, by_plate = FOLDS
+    farther = np.exp(constant + by_load * pressed + by_plate * outstand)
+    if farther <= FOLDS_MUCH:
+        return []
+    return [finding("flanges-fold", farther, outstand=outstand, pressed=pressed)]
 
 
 def shear_findings(scenario: ColumnScenario) -> list[Finding]:
@@ -376,3 +409,117 @@ def _sizes(scenario: Any) -> Iterator[tuple[str, float, float, float, str]]:
         yield "largest mass of a node", max(n.mass for n in frame.nodes), steel, _LEAST_MASS, "t"
     if hasattr(scenario, "striker"):
         yield "striker.mass", scenario.striker.mass, steel, _LEAST_MASS, "t"
+
+
+PAIRS_BESIDE, MESH = "eccentric-hits", -1  # the mesh that answered all pairs
+EDGE, FACE = "eccentric_edge_m", "eccentric_face_m"  # of the struck flange; of the striker
+BESIDE, PRESSED = "eccentricity_over_half_width", "axial_over_squash"
+FEATURES_BESIDE = {
+    BESIDE: "eccentricity over half the width of the flange",
+    "ln_mechanism_over_flange": "ln of the resistance of the mechanism over f_y t_f squared",
+    "ln_way_over_half_width": "ln of the way that the mechanism needs over half the width",
+}
+LEVELS = 0.05, 0.5, 0.95  # lower end, middle and upper end of the interval
+
+
+class FactorLine(NamedTuple):
+    """Coefficients of a line (1 + features), sorted rests (pairs,), bounds of what was drawn.
+
+    Shells answered drawn pairs of hits along the web, through the shear centre and on the flange
+    beside it. The ln of what is struck over the axis of the centred hit is linear in numbers known
+    before a run; each rest is to a line without its own pair. See docs/theory/shell.md.
+    """
+
+    coefficients: Array
+    rests: Array
+    least: dict[str, float]
+    most: dict[str, float]
+
+
+def features_beside(scenario: ColumnImpact) -> dict[str, Any]:
+    """The numbers that a factor hangs on, by the names of `FEATURES_BESIDE`, and P/Npl."""
+    column, striker = scenario.column, scenario.striker
+    properties, shape = column.properties, column.section.shape
+    assert isinstance(shape, ISection)
+    half, lumped = 0.5 * shape.width, properties.impact_mass / striker.mass
+    resistance = sum(mechanism_demand(column).values()) * properties.shear_resistance
+    local = column.steel.yield_stress * shape.flange**2
+    way = scenario.input_energy / (1.0 + lumped) / resistance
+    values = abs(striker.eccentricity) / half, np.log(resistance / local), np.log(way / half)
+    pressed = column.axial_load / properties.squash_load
+    return dict(zip(FEATURES_BESIDE, values, strict=True)) | {PRESSED: pressed}
+
+
+@lru_cache(maxsize=2)
+def factor_line(target: str) -> FactorLine:
+    """The line of a `target`, `EDGE` or `FACE`, by least squares over the drawn pairs."""
+    pairs = load(PAIRS_BESIDE)
+    pairs = pairs[(pairs["refinement"] == MESH) & (pairs["centred_outcome"] == "ok")]
+    pairs = pairs[pairs["eccentric_outcome"] == "ok"]
+    given = np.column_stack([np.ones(len(pairs)), pairs[list(FEATURES_BESIDE)]])
+    ratios = np.log((pairs[target] / pairs["centred_axis_m"]).to_numpy())
+    inverse = np.linalg.pinv(given)
+    own = np.einsum("ij,ji->i", given, inverse)
+    rests = (ratios - given @ inverse @ ratios) / (1.0 - own)
+    drawn = pairs[[*FEATURES_BESIDE, PRESSED]]  # from the shear centre to the edge, from no load on
+    least, most = {**drawn.min(), BESIDE: 0.0, PRESSED: 0.0}, {**drawn.max(), BESIDE: 1.0}
+    return FactorLine(inverse @ ratios, np.sort(rests), least, most)
+
+
+def eccentric_finding(name: str, scenario: Any, beside: float) -> Finding:
+    """Finding of a model by this name, which knows no hit `beside` (m) the shear centre.
+
+    The factors with which it answers where such hits were drawn, else its refusal.
+    """
+    if not is_drawn(scenario):
+        return finding("eccentricity", beside, name=name)
+    edge, face = (factor(scenario, target) for target in (EDGE, FACE))
+    return finding("eccentric-factor", beside, name=name, edge=edge, face=face)
+
+
+def oblique_findings(scenario: Any) -> list[Finding]:
+    """Note of an oblique hit of an I section whose line meets the flange beside the web.
+
+    How far the striker goes as it folds that flange, as drawn along the web.
+    """
+    column, striker = getattr(scenario, "column", None), scenario.striker
+    shape = None if column is None else column.section.shape
+    if not isinstance(shape, ISection) or striker.eccentricity or not striker.angle:
+        return []
+    beside = 0.5 * (shape.height - shape.flange) * tan(striker.angle)
+    if beside > 0.5 * shape.width:  # the edges of both flanges are struck
+        return []
+    along = scenario.changed(striker=striker.changed(angle=0.0, eccentricity=beside))
+    if not is_drawn(along):
+        return []
+    return [finding("oblique-flange", beside, face=factor(along, FACE))]
+
+
+def is_drawn(scenario: Any) -> bool:
+    """Whether such hits were drawn: along the web of an I section, on its flange, rigid."""
+    if not isinstance(scenario, ColumnImpact):
+        return False
+    shape, striker = scenario.column.section.shape, scenario.striker
+    if not isinstance(shape, ISection) or striker.crushes or np.any(striker.angle):
+        return False
+    values, known = features_beside(scenario), factor_line(EDGE)
+    if np.ndim(sum(values.values())):  # a stack: its rows are asked one by one
+        return False
+    return all(known.least[each] <= values[each] <= known.most[each] for each in values)
+
+
+def log_factors(scenario: ColumnImpact, target: str) -> Array:
+    """Sorted ln of what is struck over the axis of the hit through the shear centre: (pairs,).
+
+    The expected one with the rest of every drawn pair.
+    """
+    known, values = factor_line(target), features_beside(scenario)
+    given = np.array([1.0, *(values[name] for name in FEATURES_BESIDE)])
+    return np.asarray(known.coefficients @ given + known.rests)
+
+
+def factor(scenario: ColumnImpact, target: str) -> tuple[float, float, float]:
+    """Lower end, middle and upper end of 90 % of the factor of a `target`."""
+    ends = np.quantile(log_factors(scenario, target), LEVELS, method="weibull")
+    low, middle, high = map(float, np.exp(ends))
+    return low, middle, high

@@ -26,6 +26,7 @@ from workbench.base.errors import InputError, OutOfDomainError, WorkbenchError
 from workbench.mechanics.frames.members import SPREAD
 from workbench.mechanics.frames.runs import LARGEST_SHEAR_STRAIN
 from workbench.models.base import Model, findings_before, is_oblique, make_model, options_of
+from workbench.models.domain import FACE, is_drawn, log_factors
 from workbench.models.resistance import column_curve
 from workbench.models.seven_dof import SevenDof
 from workbench.models.strain_rate import feels_rate, steel_of, with_strain_rate
@@ -125,7 +126,7 @@ def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> Exp
         reason += ", close to collapse, where chances are not measured" if near else ""
         return replace(known, chance=1.0 - fallen if isinf(answer) else fallen, reason=reason)
     values = ratio.values + log(anchor / answer)
-    if name in (table.reference, FINEST):
+    if name in (table.reference, FINEST) and not _is_beside(scenario):
         values = table.doubts(ratio.features) if name == table.reference else values[:0]
     if not len(values):
         return replace(known, reason="nothing finer has measured it")
@@ -147,7 +148,8 @@ def chance_beyond(errors: Array) -> Any:
 def truth_ratio(scenario: Any) -> TruthRatio:
     """Ratios ln(truth / anchor) known of a scenario before it is answered.
 
-    Of a scenario that has a table; with what the finest reference says of the reference.
+    Of a scenario that has a table; with what the finest reference says of the reference, and shells
+    of a hit beside the shear centre.
     """
     striker = getattr(scenario, "striker", None)
     if striker is not None and striker.crushes:
@@ -184,7 +186,17 @@ def truth_ratio(scenario: Any) -> TruthRatio:
         return TruthRatio(np.empty(0), reason=reason)
     ratios = widened(table.log_ratios(values), table.doubts(values))
     ratios = widened(ratios, rated.log_ratios(values)) if rated else ratios
+    if _is_beside(scenario):
+        if not is_drawn(scenario):
+            reason = "errors were measured in hits through the shear centre"
+            return TruthRatio(np.empty(0), reason=reason)
+        ratios = widened(ratios, log_factors(scenario, FACE))
     return TruthRatio(ratios, table.cell(values), features=values)
+
+
+def _is_beside(scenario: Any) -> bool:
+    """Whether a hit passes beside the shear centre, of which only shells know."""
+    return bool(getattr(getattr(scenario, "striker", None), "eccentricity", 0.0))
 
 
 def _rated(scenario: Any) -> ErrorTable | None:
@@ -238,7 +250,7 @@ def residual_ends(scenario: Any, response: Response | None = None) -> tuple[floa
     answer of the anchor it is not run again.
     """
     table = table_of(scenario)
-    if table is None or truth_ratio(scenario).reason:
+    if table is None or truth_ratio(scenario).reason or _is_beside(scenario):
         return None
     features, rated = truth_ratio(scenario).features, _rated(scenario)
     parts = table.residuals(features)
@@ -426,7 +438,7 @@ def choose(scenario: Any) -> ModelChoice:
     model, because = ANCHOR, "which comes nearest: no quick model is inside its domain"
     if order == SPATIAL:
         model, because = order[0], "which answers hits from any side"
-        if scenario.striker.eccentricity:
+        if _is_beside(scenario):
             model, because = order[2], "the only model of hits beside the shear centre"
     elif is_inside(ANCHOR, scenario):
         because = "the anchor of the error model"
@@ -448,7 +460,7 @@ def order_of(scenario: Any) -> tuple[str, str, str]:
     """The quickest model of a scenario, its quick reference and its finest one."""
     if not isinstance(scenario, ColumnImpact):
         return ORDER
-    return SPATIAL if is_oblique(scenario) or scenario.striker.eccentricity else ORDER
+    return SPATIAL if is_oblique(scenario) or _is_beside(scenario) else ORDER
 
 
 def better(name: str, scenario: Any, sheared: bool = False) -> tuple[str, ...]:
