@@ -21,7 +21,7 @@ SPACE, FIBERS, PLANE = "superelements in space", "fibers in space", "plane super
 ANGLE = "degrees off x"
 MASS, SPEED = 1500.0, 12.0  # kg, m/s
 models = {
-    FIBERS: FiberSpace(smallest_element=0.1, largest_element=0.6, layers=8, levels=1),
+    FIBERS: FiberSpace(smallest_element=0.1, largest_element=0.6, layers=8, levels=2),
     SPACE: SuperelementSpace(),
     PLANE: FlexibleSuperelement(shear="none"),
 }
@@ -32,12 +32,12 @@ def frame(
 ) -> Frame:
     """Columns HEB 220 whose webs lie along x, beams IPE 300, a dead load (N) on every joint.
 
-    The corner column A is hit 1.2 m above its base.
+    The corner column A is hit at mid-height of its storey.
     """
     bare = regular_frame(bays, storeys, find("HEB 220"), find("IPE 300"), depths=depths)
     corner = "Aa" if depths else "A"
     loads = tuple(Load(node.name, y=-load) for node in bare.nodes if node.y > 0.0)
-    return replace(bare, loads=loads).split(f"{corner}0-{corner}1", 1.2, "hit")
+    return replace(bare, loads=loads).split(f"{corner}0-{corner}1", 1.75, "hit")
 
 
 def hit(what: str, struck: Frame, angle: float, *shown: str, quick: bool = False) -> Case:

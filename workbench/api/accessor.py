@@ -80,12 +80,13 @@ def headline(response: Response) -> str:
 
 
 def _direction(response: Response) -> str:
-    """Direction of a hit that is not along the web of a column, in words."""
+    """Direction of a hit that is not along the web of a column, or along x, in words."""
     tables = tomllib.loads(response.attrs.get("scenario", ""))
     if tables.get("column", {}).get("axis") == "weak":
         return "bent about the weak axis"
     angle = tables.get("striker", {}).get("angle", 0.0)
-    return f"hit at {degrees(angle):.3g} degrees off the height of the section" if angle else ""
+    line = "the height of the section" if "column" in tables else "x towards z"
+    return f"hit at {degrees(angle):.3g} degrees off {line}" if angle else ""
 
 
 def fate_of(response: Response) -> str:

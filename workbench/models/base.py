@@ -133,9 +133,8 @@ def findings_before(model: Model, scenario: Any, left_out: Sequence[Finding]) ->
 
     With what it has `left_out` of the steel, see `with_strain_rate`.
     """
-    frame, part = getattr(scenario, "frame", None), getattr(scenario, "striker", scenario)
-    beside = frame is not None and (frame.spatial or getattr(part, "angle", 0.0))
-    if beside and not getattr(model, "spatial", False):
+    in_space = hasattr(scenario, "frame") and is_oblique(scenario)
+    if in_space and not getattr(model, "spatial", False):
         return [finding("space-frame", name=model.name)]
     findings = [*model.domain(scenario), *implausible(scenario), *unused_inputs(model, scenario)]
     findings += left_out
@@ -167,10 +166,12 @@ def striker_findings(model: Any, scenario: Any) -> list[Finding]:
 
 
 def is_oblique(scenario: Any) -> bool:
-    """Whether a striker, or one of a stack, hits off the plane of what is not alike all round."""
-    column = getattr(scenario, "column", None)
-    alike = column is not None and column.is_round
-    return bool(np.any(scenario.striker.angle > 0.0)) and not alike
+    """Whether something, or one of a stack, acts off the plane of what is not alike all round."""
+    column, frame = getattr(scenario, "column", None), getattr(scenario, "frame", None)
+    if frame is not None and frame.spatial:
+        return True
+    angle = getattr(getattr(scenario, "striker", scenario), "angle", 0.0)
+    return bool(np.any(angle)) and not (column is not None and column.is_round)
 
 
 def crushed(response: Response, striker: Striker) -> Response:

@@ -46,7 +46,13 @@ from workbench.responses import (
     set_findings,
     survives,
 )
-from workbench.scenarios import ColumnImpact, FrameImpact, MemberPulse, frame_scenario
+from workbench.scenarios import (
+    ColumnImpact,
+    FrameImpact,
+    FrameScenario,
+    MemberPulse,
+    frame_scenario,
+)
 from workbench.steel.sections import ISection
 from workbench.study.error_model.error_table import (
     ANCHOR,
@@ -155,7 +161,7 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     if striker is not None and striker.crushes:
         return TruthRatio(np.empty(0), reason="errors were measured with rigid strikers")
     frame = frame_scenario(scenario).frame
-    if striker is not None and is_oblique(scenario):
+    if is_oblique(scenario):
         return TruthRatio(np.empty(0), reason="errors were measured in the plane of the web")
     if any(m.axis == "weak" and m.section != m.section.about("strong") for m in frame.members):
         reason = "errors were measured about the strong axis"
@@ -293,6 +299,7 @@ def _faster(scenario: Any) -> Any:
 
 ORDER = (ANCHOR, REFERENCE, FINEST)
 SPATIAL = ("seven-dof", "fiber-space", "shell")  # of hits off the plane of bending
+IN_SPACE = ("superelement-space", "fiber-space")  # of frames
 REMAINING = ("residual_displacement", "displacement", "peak_displacement")
 CLOSE, UNMEASURED = "close-to-collapse", "error-not-measured"  # subjects
 NONE = "no model of more trust is inside its domain here"
@@ -431,12 +438,13 @@ class ModelChoice:
 def choose(scenario: Any) -> ModelChoice:
     """The anchor, where it is warned of the beam that judges; the anchor too if no model will do.
 
-    The solid takes minutes: it is a remedy, no choice. Off the plane of bending `SPATIAL`.
+    The solid takes minutes: it is a remedy, no choice. Off the plane of bending `SPATIAL`, of
+    frames `IN_SPACE`.
     """
     error = anchor_error(scenario)
     order = order_of(scenario)
     model, because = ANCHOR, "which comes nearest: no quick model is inside its domain"
-    if order == SPATIAL:
+    if order != ORDER:
         model, because = order[0], "which answers hits from any side"
         if _is_beside(scenario):
             model, because = order[2], "the only model of hits beside the shear centre"
@@ -456,11 +464,11 @@ def quick_reference(scenario: Any) -> str:
     return REFERENCE if plane and is_inside(REFERENCE, scenario) else ""
 
 
-def order_of(scenario: Any) -> tuple[str, str, str]:
+def order_of(scenario: Any) -> tuple[str, ...]:
     """The quickest model of a scenario, its quick reference and its finest one."""
-    if not isinstance(scenario, ColumnImpact):
-        return ORDER
-    return SPATIAL if is_oblique(scenario) or _is_beside(scenario) else ORDER
+    if isinstance(scenario, ColumnImpact):
+        return SPATIAL if is_oblique(scenario) or _is_beside(scenario) else ORDER
+    return IN_SPACE if isinstance(scenario, FrameScenario) and is_oblique(scenario) else ORDER
 
 
 def better(name: str, scenario: Any, sheared: bool = False) -> tuple[str, ...]:
@@ -471,15 +479,15 @@ def better(name: str, scenario: Any, sheared: bool = False) -> tuple[str, ...]:
     """
     order = order_of(scenario)
     above = order[order.index(name) + 1 :] if name in order else order
-    above = above[-1:] if sheared and order == SPATIAL else above
+    above = tuple(set(above) & set(order[2:])) if sheared and order != ORDER else above
     return next(((each,) for each in above if is_inside(each, scenario)), ())
 
 
 def no_reference(scenario: Any) -> str:
     """Why `quick_reference` names none, in one sentence."""
     order = order_of(scenario)
-    if order == SPATIAL:
-        return f"no quick reference off the plane of bending: {order[1]} takes a minute"
+    if order != ORDER:
+        return f"no quick reference off the plane of bending: {order[1]} takes minutes"
     return f"no reference inside its domain: {REFERENCE} ({'; '.join(doubts(REFERENCE, scenario))})"
 
 
