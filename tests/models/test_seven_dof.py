@@ -15,11 +15,12 @@ from workbench.models.base import make_model
 from workbench.models.batch import simulate_many
 from workbench.models.elastic_springs import Springs, beam_springs
 from workbench.models.seven_dof.model import SevenDof
-from workbench.responses import Response, findings_of, outcome_of
+from workbench.responses import Response, finding, findings_of, outcome_of
 from workbench.scenarios import Column, ColumnImpact, Striker, scenario_from, to_toml
 from workbench.steel.materials import Steel
 from workbench.steel.sections import i_section, section_from
 from workbench.steel.sections.slenderness import torsion_constants
+from workbench.study.error_model.error_model import with_remedies
 
 STEEL = Steel(yield_stress=355e6)
 HEB, IPE = i_section(0.22, 0.22, 0.0095, 0.016), i_section(0.30, 0.15, 0.0071, 0.0107)
@@ -139,6 +140,39 @@ def test_a_surface_that_agrees_gives_four_dof_to_a_thousandth() -> None:
         assert peaks[::-1] == pytest.approx(peaks, rel=1e-6)  # four sides are alike
 
 
+def test_round_columns_answer_alike_from_every_side() -> None:
+    peaks = [peak(SevenDof(), struck("CHS", degrees)) for degrees in (0, 15, 30, 45, 60, 75, 90)]
+    assert peaks == pytest.approx([peaks[0]] * len(peaks), rel=1e-6)  # measured 1e-11
+
+
+def test_square_tubes_answer_alike_about_both_axes_and_their_diagonal() -> None:
+    for degrees in (0.0, 15.0, 30.0):
+        sides = [peak(SevenDof(), struck("SHS", each)) for each in (degrees, 90.0 - degrees)]
+        assert sides[1] == pytest.approx(sides[0], rel=1e-6)
+    assert peak(SevenDof(), struck("SHS", 45.0)) > 1.03 * peak(SevenDof(), struck("SHS"))
+
+
+@pytest.mark.parametrize(
+    ("section", "beta", "share"),
+    [
+        ({"height": 0.3, "width": 0.2}, 2.0, 1e-3),  # exact: m = 1 - n^2
+        ({"height": 0.3, "width": 0.2, "wall": 0.01}, None, 1e-3),  # fitted
+    ],
+)
+def test_rectangles_along_their_flanges_are_four_dof_about_the_weak_axis(
+    section: dict[str, float], beta: float | None, share: float
+) -> None:
+    hit = struck("SHS", 90.0, velocity=18.0)
+    hit = hit.changed(column=hit.column.changed(section=section_from(section)))
+    weak = hit.changed(
+        column=hit.column.changed(axis="weak"), striker=hit.striker.changed(angle=0.0)
+    )
+    alpha, fitted = weak.column.strength_section.interaction_fit()
+    four = make_model("four-dof", {"alpha": alpha if beta is None else 1.0, "beta": beta or fitted})
+    assert peak(SevenDof(), hit) == pytest.approx(peak(four, weak), rel=share)
+    assert peak(SevenDof(), hit) == pytest.approx(peak(SevenDof(), weak), rel=1e-9)
+
+
 @pytest.mark.parametrize("degrees", [0.0, 30.0, 90.0])
 @pytest.mark.parametrize("restitution", [0.0, 0.3])
 def test_ledger_closes(degrees: float, restitution: float) -> None:
@@ -205,6 +239,19 @@ def test_what_is_not_alike_all_round_is_refused_off_the_plane() -> None:
         assert outcome_of(response).value == "out-of-domain"
         assert [each.subject for each in findings_of(response) if each.refusal] == ["direction"]
         assert list(simulate_many(make_model("four-dof"), [hit])["outcome"]) == ["out-of-domain"]
+
+
+@pytest.mark.parametrize("name", ["seven-dof", "superelement-space", "fiber-space"])
+def test_webs_that_shear_off_the_plane_are_for_shells(name: str) -> None:
+    model, hit = make_model(name), struck("HEB", 30.0)
+    known = {"segment": "below", "reason": "of the plane"}
+    names = "mechanism-shear-beyond", "error-not-measured"
+    told = [finding(each, 1.8, **known) for each in names]
+    advice = with_remedies(model, hit, told)
+    assert [each.instead for each in advice] == [("shell",)] * 2
+    assert [each.remedy for each in advice] == ["take shell"] * 2
+    still = with_remedies(model, hit, told[1:])[0]
+    assert still.instead != ("shell",) or name == "fiber-space"
 
 
 def test_a_round_column_has_the_error_of_hits_in_the_plane() -> None:

@@ -69,6 +69,7 @@ WORK = np.dtype(  # room for the numbers of one evaluation
         *(("f", float, 6), ("place", float, 6), ("start", float, 6), ("middle", float, 7)),
         *(("k", float, (6, 6)), ("G", float, (3, 3)), ("trial", float, 5)),
         *(("B", float, (2, 5, 6)), ("D", float, (2, 5, 5)), ("DB", float, (5, 6))),
+        *((name, float, (2, 2)) for name in ("chord0", "chord")),  # of both bars: length, chi
         ("branch", int, 2),
         ("sideways", int),  # 0: the impact point slides freely, 2: it sticks, -1 or 1: it slides so
         ("push", float),  # impulse across the hit, N s
@@ -148,7 +149,7 @@ def axes(column, twist):
 
 @njit(cache=True, error_model="numpy")
 def deformations(column, bar, q, work, d):
-    """Write the five deformations of a bar into `d`; length and k of its chord."""
+    """Write the five deformations of a bar into `d`; length, chi, k of its chord, its `axes`."""
     y = work.place
     place(q, column.lengths, bar, y)
     length, chi, k = chord(y, work.G)
@@ -159,7 +160,7 @@ def deformations(column, bar, q, work, d):
     d[0] = ((y[U] - whole) * (y[U] + whole) + n * n + t * t) / (length + whole)
     d[1], d[2] = chi * (c * n - s * t), chi * (s * n + c * t)
     d[3], d[4] = ch * along - sh * across, sh * along + ch * across
-    return length, k
+    return length, chi, k, ch, sh
 
 
 @njit(cache=True, error_model="numpy")
@@ -167,7 +168,8 @@ def bar_forces(column, bar, state, work, hinges):
     """Forces `work.f` (6,) and tangent `work.k` (6, 6) of a bar over its unknowns; its stress."""
     trial, plastic, stress = work.trial, state.plastic[bar], state.stress[bar]
     strength, G, B, D = column.strength, work.G, work.B[bar], work.D[bar]
-    length, k = deformations(column, bar, state.q, work, trial)
+    length, chi, k, ch, sh = deformations(column, bar, state.q, work, trial)
+    work.chord[bar, 0], work.chord[bar, 1] = length, chi
     turned = trial[3], trial[4]
     for i in range(5):
         trial[i] = (trial[i] - plastic[i]) * strength[i]
@@ -178,7 +180,6 @@ def bar_forces(column, bar, state, work, hinges):
         for j in range(5):
             D[i, j] = room.tangent[i, j] * strength[i] * strength[j]
     c, s = column.angle[0], column.angle[1]
-    ch, sh = axes(column, work.place[TWIST])
     for j in range(3):
         B[0, j] = G[0, j]
         B[1, j], B[2, j] = c * G[1, j] - s * G[2, j], s * G[1, j] + c * G[2, j]
@@ -188,17 +189,19 @@ def bar_forces(column, bar, state, work, hinges):
     B[4, BN], B[4, BT], B[4, TWIST] = sh, ch, -turned[0]
     f, K, DB = work.f, work.k, work.DB
     for j in range(6):
-        f[j] = 0.0
+        total = 0.0
         for i in range(5):
-            f[j] += B[i, j] * stress[i]
-            DB[i, j] = 0.0
+            total += B[i, j] * stress[i]
+            grown = 0.0
             for m in range(5):
-                DB[i, j] += D[i, m] * B[m, j]
-    for i in range(6):
-        for j in range(6):
-            K[i, j] = 0.0
+                grown += D[i, m] * B[m, j]
+            DB[i, j] = grown
+        f[j] = total
+        for i in range(j + 1):
+            total = 0.0
             for m in range(5):
-                K[i, j] += B[m, i] * DB[m, j]
+                total += B[m, i] * DB[m, j]
+            K[i, j] = K[j, i] = total
     first, second = stress[3], stress[4]
     m_n = c * stress[1] + s * stress[2] - ch * first - sh * second
     m_t = c * stress[2] - s * stress[1] + sh * first - ch * second
@@ -265,9 +268,9 @@ def mean_forces(column, state, work):
         mean[i] = 0.0
     for bar in (BELOW, ABOVE):
         place(work.q0, column.lengths, bar, start)
-        length0, chi0, _ = chord(start, G)
         place(state.q, column.lengths, bar, y)
-        length1, chi1, _ = chord(y, G)
+        length0, chi0 = work.chord0[bar, 0], work.chord0[bar, 1]
+        length1, chi1 = work.chord[bar, 0], work.chord[bar, 1]
         # what is left of both psi over the step beside the gradient in the middle
         left_n, left_t = chi1 * y[N] - chi0 * start[N], chi1 * y[T] - chi0 * start[T]
         g_n = 0.5 * (y[BN] + start[BN] - chi1 * y[N] - chi0 * start[N])

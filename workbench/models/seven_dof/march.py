@@ -43,9 +43,11 @@ from workbench.models.seven_dof.kinematics import (
     N,
     T,
     U,
+    chord,
     deformations,
     internal_forces,
     mean_forces,
+    place,
 )
 from workbench.responses.kernels import signed_peak
 from workbench.steel.hinges.biaxial_kernels import (
@@ -120,8 +122,8 @@ def evaluate(s, dt, closed, touch, striker):
 @njit(cache=True, error_model="numpy")
 def solved(A, b, symmetric):
     """Solve seven equations in place."""
-    if symmetric and factorise(A, 0, 7):
-        substitute(A, b, 0, 7)
+    if symmetric and factorise(A, 7):
+        substitute(A, b, 7)
         return True
     if symmetric:
         for i in range(7):
@@ -285,6 +287,9 @@ def solve(s, dt, closed, touch, striker):
     copy(now.q, work.q0)
     copy(now.w, work.w0)
     copy(now.stress, work.stress0)
+    for bar in (BELOW, ABOVE):
+        place(work.q0, column.lengths, bar, work.start)
+        work.chord0[bar, 0], work.chord0[bar, 1], _ = chord(work.start, work.G)
     work.strike_mass = 2.0 * column.mass[N] + column.mass[HEAD] + striker
     work.push, rubs = 0.0, closed and column.friction > 0.0
     work.sideways = STICKS if rubs else 0
@@ -303,7 +308,7 @@ def solve(s, dt, closed, touch, striker):
 def settle(s, dt):
     """Plastic flow; the largest one of a hinge over its elastic deformation at yielding."""
     column, start, end, work = s.columns[0], s.states[0], s.states[1], s.room[0]
-    most, total = 0.0, work.trial
+    most, last, total = 0.0, 0.0, work.trial
     for bar in (BELOW, ABOVE):
         deformations(column, bar, end.q, work, total)
         for j in range(5):
@@ -314,7 +319,10 @@ def settle(s, dt):
             flow = total[j] - start.plastic[bar, j]
             end.dissipated += 0.5 * (work.stress0[bar, j] + end.stress[bar, j]) * flow
             end.plastic[bar, j] = total[j]
-            most = max(most, abs(flow) * stiff)
+            share = abs(flow) * stiff
+            if column.surface.count == 0 and j in (2, 4):  # any two axes are those of a round tube
+                share = (share**2 + last**2) ** 0.5
+            most, last = max(most, share), share
     if work.sideways != 0:
         end.dissipated -= 0.5 * work.push * (work.w0[T] + end.w[T])
     return most

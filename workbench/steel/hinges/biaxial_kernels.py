@@ -44,15 +44,16 @@ ROOM = np.dtype(
         ("force", float, 5),  # of both hinges, over the plastic forces
         ("tangent", float, (5, 5)),
         ("flow", float, 6),  # of the first and of the second hinge, J
-        ("aim", float, (2, 3)),  # normals that were met last: where the next search begins
+        # normals that were met last, where the next search begins; gradient and Hessian of D there
+        *(("aim", float, (2, 3)), ("met", float, (2, 3)), ("hessian", float, (2, 3, 3))),
         *((name, float, 6) for name in ("old", "step", "gradient", "column")),
-        *(("hessian", float, (2, 3, 3)), ("matrix", float, (6, 6)), ("half", float, (5, 6))),
-        *(("point", float, 3), ("bend", float, (3, 3))),  # gradient and Hessian of D in a gauge
+        *(("matrix", float, (6, 6)), ("half", float, (5, 6))),
         ("iterations", int),  # of the last projection
     ]
 )
 PLACE = np.array([0, 1, 2, 0, 3, 4])  # of the forces of both hinges among the five of a bar
 FAILED, ELASTIC = -1, 0  # else 1, 2 or 3: the first hinge flows, the second one, both
+_THIRD = 1.0 / 3.0  # divisions take most of the time of a support function
 _SHARED = 1e-9  # of the axial stiffness: holds how an elongation is shared by two hinges that flow
 _TINY, _NOTHING = 1e-14, 1e-100  # of the diagonal; forces over the plastic ones
 _OUTSIDE = 1.0 + 1e-10  # gauge from which on a hinge flows
@@ -73,21 +74,22 @@ def _of_rectangle(c, u, v):
     if a >= w + b:
         return a, sc, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if a <= b - w:
-        half, square = 0.5 / b, c * c + w * w / 3.0
-        mean, of_c, of_w = (square + b * b) * half, c / b, su * w / (3.0 * b)
-        of_b = sv * (0.5 - square * half / b)
-        cc, cw, cb = 1.0 / b, 0.0, -sv * c / (b * b)
-        ww, wb, bb = 1.0 / (3.0 * b), -su * sv * w / (3.0 * b * b), square / b**3
+        cc, third, square = 1.0 / b, w * _THIRD, c * c + w * w * _THIRD
+        mean, of_c, of_w = 0.5 * (square * cc + b), c * cc, su * third * cc
+        bb = square * cc * cc
+        of_b, bb = sv * (0.5 - 0.5 * bb), bb * cc
+        cw, cb, ww, wb = 0.0, -sv * of_c * cc, _THIRD * cc, -sv * of_w * cc
     else:
-        cut = w + b - a
-        p, q = cut / w, cut / b  # both below 2
-        mean, of_c = a + p * q * cut / 12.0, sc * (1.0 - 0.25 * p * q)
-        of_w, of_b = su * p * q * (0.25 - p / 12.0), sv * p * q * (0.25 - q / 12.0)
-        cc = 0.5 * p / b
-        cw, cb = -sc * su * (0.5 * q - 0.25 * p * q) / w, -sc * sv * (0.5 * p - 0.25 * p * q) / b
-        ww = q * (0.5 - 0.5 * p + p * p / 6.0) / w
-        bb = p * (0.5 - 0.5 * q + q * q / 6.0) / b
-        wb = su * sv * (0.5 * p - 0.25 * p * q - 0.25 * p * p + p * p * q / 12.0) / b
+        cut, one_w, one_b = w + b - a, 1.0 / w, 1.0 / b
+        p, q = cut * one_w, cut * one_b  # both below 2
+        quarter, sixth, twelfth = 0.25 * p * q, 0.5 * _THIRD, 0.25 * _THIRD
+        mean, of_c = a + _THIRD * quarter * cut, sc * (1.0 - quarter)
+        of_w, of_b = su * quarter * (1.0 - _THIRD * p), sv * quarter * (1.0 - _THIRD * q)
+        cc = 0.5 * p * one_b
+        cw, cb = -sc * su * (0.5 * q - quarter) * one_w, -sc * sv * (0.5 * p - quarter) * one_b
+        ww = q * (0.5 - 0.5 * p + p * p * sixth) * one_w
+        bb = p * (0.5 - 0.5 * q + q * q * sixth) * one_b
+        wb = su * sv * p * (0.5 - 0.25 * q - 0.25 * p + p * q * twelfth) * one_b
     if swapped:
         return mean, of_c, of_b, of_w, cc, cb, cw, bb, wb, ww
     return mean, of_c, of_w, of_b, cc, cw, cb, ww, wb, bb
@@ -159,44 +161,49 @@ def support(surface, flow, g, H):
 
 
 @njit(cache=True, error_model="numpy")
-def factorise(A, low, high):
-    """Factor the symmetric A into L D L' in place, rows from `low` to `high`; whether D > 0."""
-    for j in range(low, high):
+def factorise(A, n):
+    """Factor the first n rows of the symmetric A into L D L' in place; whether D > 0."""
+    for j in range(n):
         pivot = A[j, j]
-        for k in range(low, j):
+        for k in range(j):
             pivot -= A[j, k] * A[j, k] * A[k, k]
         if not pivot > 0.0:
             return False
         A[j, j] = pivot
-        for i in range(j + 1, high):
+        for i in range(j + 1, n):
             left = A[i, j]
-            for k in range(low, j):
+            for k in range(j):
                 left -= A[i, k] * A[j, k] * A[k, k]
             A[i, j] = left / pivot
     return True
 
 
 @njit(cache=True, error_model="numpy")
-def substitute(A, b, low, high):
-    """Solve L D L' x = b in place."""
-    for i in range(low, high):
-        for k in range(low, i):
-            b[i] -= A[i, k] * b[k]
-    for i in range(high - 1, low - 1, -1):
-        b[i] /= A[i, i]
-        for k in range(i + 1, high):
-            b[i] -= A[k, i] * b[k]
+def substitute(A, b, n):
+    """Solve L D L' x = b in place, n rows."""
+    for i in range(n):
+        left = b[i]
+        for k in range(i):
+            left -= A[i, k] * b[k]
+        b[i] = left
+    for at in range(n):
+        i = n - 1 - at
+        left = b[i] / A[i, i]
+        for k in range(i + 1, n):
+            left -= A[k, i] * b[k]
+        b[i] = left
 
 
 @njit(cache=True, error_model="numpy")
-def gauge(surface, q, aim, room, decide):
+def gauge(surface, q, aim, g, H, room, decide):
     """How far out the forces `q` (3,) are, 1 on the surface: the largest q.d / D(d).
 
     The least of D^2 / 2 - q.d, by damped Newton from the normal `aim` (3,), which becomes the one
-    found, as long as the gauge. `decide`: end once it is known whether the gauge is above 1.
+    found, as long as the gauge; writes gradient `g` (3,) and Hessian of D there. `decide`: end once
+    it is known whether the gauge is above 1.
     """
-    g, H, A, d = room.point, room.bend, room.matrix, room.old
-    step, size = room.step, abs(q[0]) + abs(q[1]) + abs(q[2])
+    A, d, step = room.matrix, room.old, room.step
+    size = abs(q[0]) + abs(q[1]) + abs(q[2])
     if size < _NOTHING:
         return 0.0
     if not q[0] * aim[0] + q[1] * aim[1] + q[2] * aim[2] > 0.0:
@@ -225,9 +232,9 @@ def gauge(surface, q, aim, room, decide):
                 A[i, j] = D * H[i, j] + g[i] * g[j]
             A[i, i] += damping
         slope = -(step[0] * step[0] + step[1] * step[1] + step[2] * step[2])
-        if factorise(A, 0, 3):
+        if factorise(A, 3):
             g0, g1, g2 = step[0], step[1], step[2]
-            substitute(A, step, 0, 3)
+            substitute(A, step, 3)
             slope = -(g0 * step[0] + g1 * step[1] + g2 * step[2])
         for i in range(3):
             d[i] = aim[i]
@@ -251,14 +258,25 @@ def _is_outside(surface, n, y, z, hinge, room):
     """Whether a hinge flows under its forces; its `aim` turns towards the normal there."""
     if abs(n) + abs(y) + abs(z) <= 1.0:
         return False
-    q = room.column
+    q, aim, met = room.column, room.aim[hinge], room.met[hinge]
     q[0], q[1], q[2] = n, y, z
-    return gauge(surface, q, room.aim[hinge], room, True) > _OUTSIDE
+    beyond = 0.0
+    for i in range(3):
+        beyond += (q[i] - _OUTSIDE * met[i]) * aim[i]
+    return beyond > 0.0 or gauge(surface, q, aim, met, room.hessian[hinge], room, True) > _OUTSIDE
 
 
 @njit(cache=True, error_model="numpy")
-def _evaluate(surface, K, trial, low, high, room):
-    """Forces at the flow, gradient and Hessian of J over what flows; the largest gradient."""
+def _meet(surface, low, high, room):
+    """Write gradient and Hessian of D at the flow of the hinges that do."""
+    for hinge in range(low // 3, high // 3):
+        flow = room.flow[3 * hinge : 3 * hinge + 3]
+        support(surface, flow, room.met[hinge], room.hessian[hinge])
+
+
+@njit(cache=True, error_model="numpy")
+def _evaluate(K, trial, low, high, room):
+    """Forces at the flow and gradient of J over what flows, whose D is met; the largest of that."""
     p, force, g, most = room.flow, room.force, room.gradient, 0.0
     e0, e1, e2, e3, e4 = trial[0], trial[1], trial[2], trial[3], trial[4]
     if low == 0:
@@ -267,11 +285,8 @@ def _evaluate(surface, K, trial, low, high, room):
         e0, e3, e4 = e0 - p[3], e3 - p[4], e4 - p[5]
     for i in range(5):
         force[i] = K[i, 0] * e0 + K[i, 1] * e1 + K[i, 2] * e2 + K[i, 3] * e3 + K[i, 4] * e4
-    for hinge in range(low // 3, high // 3):
-        at = 3 * hinge
-        support(surface, p[at : at + 3], g[at : at + 3], room.hessian[hinge])
-        for i in range(at, at + 3):
-            g[i] -= force[PLACE[i]]
+    for i in range(low, high):
+        g[i] = room.met[i // 3, i % 3] - force[PLACE[i]]
     if high - low == 6:
         apart = _SHARED * K[0, 0] * (p[0] - p[3])
         g[0] += apart
@@ -286,23 +301,27 @@ def _evaluate(surface, K, trial, low, high, room):
 @njit(cache=True, error_model="numpy")
 def _assemble(K, low, high, damping, room):
     """The Hessian of J over what flows, factored; whether it is positive."""
-    A = room.matrix
-    for i in range(low, high):
-        for j in range(low, i + 1):
-            A[i, j] = K[PLACE[i], PLACE[j]]
-            if i // 3 == j // 3:
-                A[i, j] += room.hessian[i // 3, i % 3, j % 3]
-        A[i, i] += damping * K[PLACE[i], PLACE[i]]
+    A, n = room.matrix, high - low
+    for i in range(n):
+        row = PLACE[low + i]
+        for j in range(i + 1):
+            A[i, j] = K[row, PLACE[low + j]]
+        A[i, i] += damping * K[row, row]
+    for at in range(0, n, 3):
+        H = room.hessian[(low + at) // 3]
+        for i in range(3):
+            for j in range(i + 1):
+                A[at + i, at + j] += H[i, j]
     if high - low == 6:
         A[0, 0] += _SHARED * K[0, 0]
         A[3, 3] += _SHARED * K[0, 0]
         A[3, 0] -= _SHARED * K[0, 0]
-    for i in range(low, high):
-        if K[PLACE[i], PLACE[i]] == 0.0:  # a pin about this axis: it turns without a moment
-            for j in range(low, high):
+    for i in range(n):
+        if K[PLACE[low + i], PLACE[low + i]] == 0.0:  # a pin about this axis: it turns freely
+            for j in range(n):
                 A[i, j] = A[j, i] = 0.0
             A[i, i] = 1.0
-    return factorise(A, low, high)
+    return factorise(A, n)
 
 
 @njit(cache=True, error_model="numpy")
@@ -316,18 +335,18 @@ def _along(K, a, first, b, second):
 
 
 @njit(cache=True, error_model="numpy")
-def _set_off(surface, K, flows, room):
+def _set_off(K, flows, room):
     """First guess of the flow of the hinges that do: along their aims, so far that J is least."""
-    force, p, aim = room.force, room.flow, room.aim
+    force, p, aim, met = room.force, room.flow, room.aim, room.met
     long0, long1, work0, work1 = 0.0, 0.0, 0.0, 0.0
     if flows[0]:
         work0 = aim[0, 0] * force[0] + aim[0, 1] * force[1] + aim[0, 2] * force[2]
-        D = support(surface, aim[0], room.point, room.bend)
+        D = aim[0, 0] * met[0, 0] + aim[0, 1] * met[0, 1] + aim[0, 2] * met[0, 2]
         work0 = max(work0 - D, 1e-6 * D)
         long0 = work0 / _along(K, aim[0], 0, aim[0], 0)
     if flows[1]:
         work1 = aim[1, 0] * force[0] + aim[1, 1] * force[3] + aim[1, 2] * force[4]
-        D = support(surface, aim[1], room.point, room.bend)
+        D = aim[1, 0] * met[1, 0] + aim[1, 1] * met[1, 1] + aim[1, 2] * met[1, 2]
         work1 = max(work1 - D, 1e-6 * D)
         long1 = work1 / _along(K, aim[1], 1, aim[1], 1)
     if flows[0] and flows[1]:
@@ -340,8 +359,11 @@ def _set_off(surface, K, flows, room):
         long0, long1 = (joint0, joint1) if good else (0.5 * long0, 0.5 * long1)
     for i in range(6):
         if flows[i // 3]:
-            live = K[PLACE[i], PLACE[i]] > 0.0
-            p[i] = (long0, long1)[i // 3] * aim[i // 3, i % 3] if live else 0.0
+            long = (long0, long1)[i // 3]
+            aim[i // 3, i % 3] *= long
+            for j in range(3):
+                room.hessian[i // 3, i % 3, j] /= long
+            p[i] = aim[i // 3, i % 3] if K[PLACE[i], PLACE[i]] > 0.0 else 0.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -354,7 +376,10 @@ def _rests(surface, K, hinge, room):
         y += K[PLACE[at + 1], PLACE[at + j]] * p[at + j]
         z += K[PLACE[at + 2], PLACE[at + j]] * p[at + j]
         room.aim[hinge, j] = p[at + j]
-    return not _is_outside(surface, n, y, z, hinge, room)
+    if not _is_outside(surface, n, y, z, hinge, room):
+        return True
+    _meet(surface, at, at + 3, room)
+    return False
 
 
 @njit(cache=True, error_model="numpy")
@@ -369,29 +394,31 @@ def _minimise(surface, K, trial, flows, room):
     first, second = flows
     low, high = _bounds(first, second)
     p, g, old, step = room.flow, room.gradient, room.old, room.step
-    most = _evaluate(surface, K, trial, low, high, room)
+    most = _evaluate(K, trial, low, high, room)
     damping = _TINY
     for count in range(_ITERATIONS):
         if most < _TOLERANCE:
             break
         room.iterations += 1
         slope = 0.0
-        for i in range(low, high):
-            step[i] = -g[i]
+        n = high - low
+        for i in range(n):
+            step[i] = -g[low + i]
         if _assemble(K, low, high, damping, room):
-            substitute(room.matrix, step, low, high)
-        for i in range(low, high):
-            slope += step[i] * g[i]
-            old[i] = p[i]
+            substitute(room.matrix, step, n)
+        for i in range(n):
+            slope += step[i] * g[low + i]
+            old[i] = p[low + i]
         share, from_, to, slope_from, slope_to = 1.0, 0.0, np.nan, slope, np.nan
         cut = False
         for _ in range(_SEARCHES):
-            for i in range(low, high):
-                p[i] = old[i] + share * step[i]
-            most = _evaluate(surface, K, trial, low, high, room)
+            for i in range(n):
+                p[low + i] = old[i] + share * step[i]
+            _meet(surface, low, high, room)
+            most = _evaluate(K, trial, low, high, room)
             new = 0.0
-            for i in range(low, high):
-                new += step[i] * g[i]
+            for i in range(n):
+                new += step[i] * g[low + i]
             if new <= -0.5 * slope and (not cut or new >= 0.5 * slope):
                 break
             cut = True
@@ -411,7 +438,7 @@ def _minimise(surface, K, trial, flows, room):
                 return first, second, 0.0
             if _bounds(first, second) != (low, high):
                 low, high = _bounds(first, second)
-                most = _evaluate(surface, K, trial, low, high, room)
+                most = _evaluate(K, trial, low, high, room)
     return first, second, most
 
 
@@ -437,34 +464,22 @@ def project(surface, K, trial, room):
     second = turns[1] and _is_outside(surface, force[0], force[3], force[4], 1, room)
     if not (first or second):
         return ELASTIC
-    _set_off(surface, K, (first, second), room)
+    _set_off(K, (first, second), room)
     low, high, most = 0, 0, np.inf
     for _ in range(_SETS):
         first, second, most = _minimise(surface, K, trial, (first, second), room)
         low, high = _bounds(first, second)
         joined = False
         if not first and turns[0] and _is_outside(surface, force[0], force[1], force[2], 0, room):
-            _set_off(surface, K, (True, False), room)
+            _set_off(K, (True, False), room)
             first = joined = True
         free = not joined and not second and turns[1]
         if free and _is_outside(surface, force[0], force[3], force[4], 1, room):
-            _set_off(surface, K, (False, True), room)
+            _set_off(K, (False, True), room)
             second = joined = True
         if not joined:
             break
-    if not most < _ACCEPTED:
-        return FAILED
-    _assemble(K, low, high, _TINY, room)
-    A, half, p = room.matrix, room.half, room.flow
-    for i in range(5):
-        for j in range(low, high):
-            half[i, j] = K[i, PLACE[j]]
-            for k in range(low, j):
-                half[i, j] -= A[j, k] * half[i, k]
-        for k in range(i + 1):
-            for j in range(low, high):
-                C[i, k] -= half[i, j] * half[k, j] / A[j, j]
-            C[k, i] = C[i, k]
+    p = room.flow
     for hinge in range(2):
         flows = (first, second)[hinge]
         for i in range(3):
@@ -472,4 +487,21 @@ def project(surface, K, trial, room):
                 room.aim[hinge, i] = p[3 * hinge + i]
             else:
                 p[3 * hinge + i] = 0.0
+    if not most < _ACCEPTED:
+        return FAILED
+    _assemble(K, low, high, _TINY, room)
+    A, half, soft, n = room.matrix, room.half, room.column, high - low
+    for j in range(n):
+        soft[j] = 1.0 / A[j, j]
+    for i in range(5):
+        for j in range(n):
+            left = K[i, PLACE[low + j]]
+            for k in range(j):
+                left -= A[j, k] * half[i, k]
+            half[i, j] = left
+        for k in range(i + 1):
+            left = C[i, k]
+            for j in range(n):
+                left -= half[i, j] * half[k, j] * soft[j]
+            C[i, k] = C[k, i] = left
     return (1 if first else 0) + (2 if second else 0)

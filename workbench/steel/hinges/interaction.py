@@ -418,8 +418,9 @@ class BiaxialSurface(Declared, table="biaxial_surface"):
 
     def gauge(self, forces: ArrayLike) -> Array:
         """How far out forces (..., 3) over the plastic ones are: 1 on the surface, 0 without."""
-        given = np.array(forces, float)
+        given, g, H = np.array(forces, float), np.empty(3), np.empty((3, 3))
         gauges, room = np.empty(given.shape[:-1]), np.zeros(1, biaxial_kernels.ROOM)[0]
         for i in np.ndindex(gauges.shape):
-            gauges[i] = biaxial_kernels.gauge(self.record, given[i], given[i].copy(), room, False)
+            searched = self.record, given[i], given[i].copy(), g, H, room, False
+            gauges[i] = biaxial_kernels.gauge(*searched)
         return gauges

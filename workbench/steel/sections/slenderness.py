@@ -155,7 +155,7 @@ def torsion_constants(section: Section) -> tuple[float, float]:
     if isinstance(shape, ISection):
         between = shape.height - shape.flange
         plates = 2.0 * shape.width * shape.flange**3 + between * shape.web**3
-        return plates / 3.0, shape.flange * shape.width**3 / 12.0 * between**2 / 2.0
+        return plates / 3.0, torsion_of(shape)[2]
     if isinstance(shape, RectangularTube):
         h, b = shape.height - shape.wall, shape.width - shape.wall
         return 2.0 * (h * b) ** 2 * shape.wall / (h + b), 0.0

@@ -396,10 +396,11 @@ def _about(error: ExpectedError, causes: str) -> Iterator[Finding]:
 
 def with_remedies(model: Any, scenario: Any, findings: Iterable[Finding]) -> list[Finding]:
     """The findings of a model, those that another model mends with the name of that."""
-    completed = []
+    completed, findings = [], list(findings)
+    sheared = any("shear" in each.subject for each in findings)
     for each in findings:
         if each.instead is not None:
-            names = better(model.name, scenario)
+            names = better(model.name, scenario, sheared)
             each = replace(each, remedy=NONE, instead=names)
             each = each.taking(names) if names else each
             if FINEST in names:
@@ -462,10 +463,15 @@ def order_of(scenario: Any) -> tuple[str, str, str]:
     return SPATIAL if is_oblique(scenario) or _is_beside(scenario) else ORDER
 
 
-def better(name: str, scenario: Any) -> tuple[str, ...]:
-    """The first model above this one in the order that is inside its domain; empty without."""
+def better(name: str, scenario: Any, sheared: bool = False) -> tuple[str, ...]:
+    """The first model above this one in the order that is inside its domain; empty without.
+
+    Off the plane of bending shells alone let webs yield in shear, where a warning says that they
+    are `sheared`.
+    """
     order = order_of(scenario)
     above = order[order.index(name) + 1 :] if name in order else order
+    above = above[-1:] if sheared and order == SPATIAL else above
     return next(((each,) for each in above if is_inside(each, scenario)), ())
 
 
