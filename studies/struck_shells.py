@@ -217,7 +217,7 @@ def pair_row(impact: ColumnImpact, beside: float, shell: Shell) -> Row:
 
 # --- slender plates -------------------------------------------------------------------------------
 
-SLENDER = 30
+SLENDER = 16
 FLANGES, WEBS = (7.0, 22.0), (30.0, 75.0)  # width over thickness and epsilon: classes 1 to 4
 STOCKY_FLANGES, STOCKY_WEBS, VERY_SLENDER = (7.0, 15.0), (25.0, 50.0), 8  # first columns: FLANGES
 DEEP, WIDE = (0.2, 0.4), (0.5, 1.0)  # m; over the height
