@@ -127,6 +127,18 @@ figures = (
         {"cases": EVERY, "against": FIBERS, "x": SHOWN, "over": BELOW, "y": "v/La"},
     ),
     Figure(
+        "deformed",
+        "deformed",
+        "Where an oblique hit takes a column",
+        "Across, along the hit, and sideways, along the face of the striker.",
+        (FIBERS,),
+        {
+            "cases": tuple(
+                case.name for case in cases if case.quick and case.parameters[ANGLE] == 45
+            )
+        },
+    ),
+    Figure(
         "cost",
         "cost",
         "Cost against error",

@@ -86,6 +86,8 @@ class ElasticFrame:
             )
             parts_held = node.held + (node.held_beside if frame.spatial else ())
             held += [dofs[self.places[component]] for component in parts_held]
+            if frame.spatial and node.name not in frame.turned:  # pins alone, which twist nothing
+                held += dofs[each - turns :].tolist()
             if springs:
                 for direction, component in COMPONENT.items():
                     at = dofs[self.places[component]]

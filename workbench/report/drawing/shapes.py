@@ -5,8 +5,10 @@ base, impact point and head of a column: that is all it says about its shape. Po
 numbers, x + iy in m.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -32,6 +34,7 @@ INSTANTS = ("start", "half-way", "peak", "end")
 REST, YIELDING = "#a8a8a8", PALETTE[1]  # colours: structure at rest, yielding member ends
 YIELDS = 0.995  # utilisation from which a section counts as yielding
 _CHORDS = 60  # instants taken from a history that has no snapshots
+_BESIDE = 1e-6  # of the displacement along the hit, that a column moves out of its plane
 _SMALL, _SHOWN = 0.015, 0.05  # of the size of the frame: too small to see; shown instead
 
 
@@ -72,6 +75,12 @@ class Shapes:
         """The members (members, points, snapshots) on paper, without the depth of a plane frame."""
         x, y, z = self.places
         return np.asarray(on_paper(x, y, z if self.frame.spatial else 0.0))
+
+    @property
+    def aside(self) -> Shapes | None:
+        """The shapes of a column as seen along the hit; None of one that stays in its plane."""
+        moves = not self.frame.spatial and np.ptp(self.places[2]) > _BESIDE * np.ptp(self.places[0])
+        return replace(self, places=self.places[[2, 1, 0]]) if moves else None
 
     @property
     def peak(self) -> int:

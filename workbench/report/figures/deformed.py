@@ -2,8 +2,8 @@
 
 A frame gets one row per label and one panel per instant, member ends as circles coloured by their
 N-M utilisation. Columns lie on their side, one panel per case, every label at its peak and dotted
-at the end. Options: `cases`; `instants` of frames, among start, half-way, peak, end, times in s or
-steps.
+at the end; those that are hit off the plane of bending move sideways, which a second panel shows.
+Options: `cases`; `instants` of frames, among start, half-way, peak, end, times in s or steps.
 """
 
 from itertools import pairwise
@@ -56,7 +56,7 @@ def draw(request: Request) -> Drawing:
         return nothing("No model states deformed shapes for these cases.", *notes)
     everything = [shapes for _, by_label in shapes_of_cases for shapes in by_label.values()]
     if all(np.ptp(shapes.rest.real) == 0.0 for shapes in everything):  # upright lines
-        return _lying(request, shapes_of_cases, everything, notes)
+        return _lying(request, shapes_of_cases, notes)
     return _multiples(request, shapes_of_cases, everything, notes)
 
 
@@ -259,13 +259,13 @@ def _scale_text(times: float, of: str = "") -> str:
     return f"Displacements{of} are drawn {times:g} times as large as they are."
 
 
-def _lying(
-    request: Request,
-    shapes_of_cases: ShapesOfCases,
-    everything: list[Shapes],
-    notes: list[str],
-) -> Drawing:
+def _lying(request: Request, shapes_of_cases: ShapesOfCases, notes: list[str]) -> Drawing:
     """Columns with their heights across: every label at its peak, and dotted at the end."""
+    views: list[tuple[str, Case, dict[str, Shapes]]] = []
+    for case, by_label in shapes_of_cases:
+        beside = {n: aside for n, each in by_label.items() if (aside := each.aside) is not None}
+        views += [("", case, by_label), *([("sideways ", case, beside)] if beside else [])]
+    everything = [shapes for _, _, by_label in views for shapes in by_label.values()]
     size = max(shapes.size for shapes in everything)
     largest = max(shapes.largest([shapes.peak, len(shapes.at) - 1]) for shapes in everything)
     times, styles = magnification(largest, size), {"peak": {}, "end": _END}
@@ -276,11 +276,11 @@ def _lying(
     ]
     wide = TEXT_WIDTH - 0.75
     window = _window_around(curves, 0.04 * size, wide, _LEAST_LYING, _MOST_LYING)
-    rows = len(shapes_of_cases)
+    rows = len(views)
     height, notes = (window.tall + 0.35) * rows + 0.75, [_scale_text(times), *notes]
     sheet = Sheet.table(rows, 1, height, notes, sharex=True, sharey=True)
     factor = f" {TIMES} {times:g}" if times != 1.0 else ""
-    for (case, by_label), panel in zip(shapes_of_cases, sheet.panels, strict=True):
+    for (way, case, by_label), panel in zip(views, sheet.panels, strict=True):
         shapes = next(iter(by_label.values()))
         for curve in _laid(shapes, shapes.rest):
             panel.plot(curve.real, curve.imag, **_REST, zorder=1)
@@ -293,9 +293,11 @@ def _lying(
                 for curve in _laid(shapes, shapes.magnified(shapes.index(instant), times)):
                     panel.plot(curve.real, curve.imag, **look.curve(**style))
                 for block in shapes.numbers(instant):
-                    sheet.record(case=case.name, label=label, **block)
+                    view = {"view": "sideways"} if way else {}
+                    sheet.record(case=case.name, label=label, **view, **block)
         window.show(panel)
-        sheet.name(panel, case.name, "height above the base (m)", f"displacement{factor}\n(m)")
+        title = f"{case.name}, sideways" if way else case.name
+        sheet.name(panel, title, "height above the base (m)", f"{way}displacement{factor}\n(m)")
     sheet.legend(entry("at the end of the record", color=MUTED, linestyle=_END["linestyle"]))
     sheet.legend(entry("at rest", **_REST))
     texts = []
