@@ -32,9 +32,9 @@ def column(degrees: float) -> ColumnImpact:
 
 def drawn(scenarios, kind, folder):
     cases = tuple(Case(name, scenario) for name, scenario in scenarios.items())
-    models = {"bars": SuperelementSpace()}
+    models = {"reference": SuperelementSpace()}
     study = replace(frame_study("beside"), cases=cases, models=models, gates=(), figures=())
-    study = replace(study, reference="bars", quantities=("peak_displacement",))
+    study = replace(study, quantities=("peak_displacement",))
     return draw(request(store_of(study, folder), kind))
 
 

@@ -176,6 +176,8 @@ def test_an_unloaded_member_in_two_parts_is_the_same_member(name: str) -> None:
     given, whole, tolerance = model(name), hit(frame()), SPLIT_MESH
     if meshed(name):  # a mesh follows the parts: one that is fine enough not to tell
         given = replace(given, smallest_element=0.1, largest_element=0.2)  # type: ignore[type-var]
+        # waves in beams that are rigid in shear feel the mesh: the plane one as well
+        tolerance = 2.0 * SPLIT_MESH if name == "fiber-space" else SPLIT_MESH
     else:
         whole = replace(hit(frame(), mass=20000.0, velocity=2.0), duration=0.06)  # peak at 0.04 s
         tolerance = SPLIT_ELEMENT

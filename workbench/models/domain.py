@@ -473,8 +473,8 @@ def eccentric_finding(name: str, scenario: Any, beside: float) -> Finding:
     """
     if not is_drawn(scenario):
         return finding("eccentricity", beside, name=name)
-    edge, face = (factor(scenario, target) for target in (EDGE, FACE))
-    return finding("eccentric-factor", beside, name=name, edge=edge, face=face)
+    values = _factor_values(scenario, EDGE) | _factor_values(scenario, FACE)
+    return finding("eccentric-factor", beside, name=name, **values)
 
 
 def oblique_findings(scenario: Any) -> list[Finding]:
@@ -492,7 +492,7 @@ def oblique_findings(scenario: Any) -> list[Finding]:
     along = scenario.changed(striker=striker.changed(angle=0.0, eccentricity=beside))
     if not is_drawn(along):
         return []
-    return [finding("oblique-flange", beside, face=factor(along, FACE))]
+    return [finding("oblique-flange", beside, **_factor_values(along, FACE))]
 
 
 def is_drawn(scenario: Any) -> bool:
@@ -523,3 +523,10 @@ def factor(scenario: ColumnImpact, target: str) -> tuple[float, float, float]:
     ends = np.quantile(log_factors(scenario, target), LEVELS, method="weibull")
     low, middle, high = map(float, np.exp(ends))
     return low, middle, high
+
+
+def _factor_values(scenario: ColumnImpact, target: str) -> dict[str, float]:
+    """The factor of a `target` with the ends of its interval, by their names in sentences."""
+    name = "edge" if target == EDGE else "face"
+    ends = f"{name}_low", name, f"{name}_high"
+    return dict(zip(ends, factor(scenario, target), strict=True))

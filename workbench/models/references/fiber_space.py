@@ -69,7 +69,7 @@ class SpaceMembers(FiberMembers):
         super().__init__(frame, placed.mesh, beams, None, sampled, shear_yields=False)
         self._resultant = resultant
         both = [frame.about_both(member) for member in frame.members]
-        strengths = [(s.squash_load, s.plastic_moment, w.plastic_moment) for s, w in both]
+        strengths = [(s.squash_load, w.plastic_moment, s.plastic_moment) for s, w in both]
         self._strength = np.repeat(strengths, 2, axis=0)
         sections = [frame.strength_section(member).about("strong") for member in frame.members]
         rows = np.repeat([list(dict.fromkeys(sections)).index(each) for each in sections], 2)
@@ -175,9 +175,13 @@ def held_by_ends(scenario: ColumnImpact) -> Iterator[tuple[str, str]]:
 
 
 def held_beside(frame: Frame) -> Iterator[tuple[str, str]]:
-    """Nodes and what supports hold of them beside a plane, and turns that nothing resists."""
+    """Nodes and what supports hold of them beside a plane, and turns that nothing resists.
+
+    A frame that stays in its plane is held in it by any support.
+    """
     for node in frame.nodes:
-        yield from ((node.name, part) for part in node.held_beside)
+        held = ("w", "turn_x", "turn_y") if node.held and not frame.spatial else node.held_beside
+        yield from ((node.name, part) for part in held)
     for number in free_to_spin(frame):
         yield from ((frame.nodes[number].name, part) for part in ("turn_x", "turn_y"))
 
@@ -203,12 +207,12 @@ class SpaceModel(FrameModel):
         rubs = [finding("face-friction", friction, name=self.name)] if friction > 0.0 else []
         if isinstance(scenario, ColumnImpact):
             return super().domain(scenario.unchecked(column=scenario.column.weaker)) + rubs
-        event = as_frame(scenario)
+        event = facing(as_frame(scenario))
         unknown = space_parts(event, pins=self.pins)
         if unknown:
             named = ", ".join(unknown[:NAMED])
             return [finding("space-parts", len(unknown), name=self.name, unknown=named)]
-        return super().domain(facing(event)) + rubs
+        return super().domain(event) + rubs
 
     def structure(self, scenario: ColumnScenario | FrameScenario) -> FrameStructure:
         """The column or frame under its dead loads. Raises `SolverError`."""
@@ -235,11 +239,16 @@ class SpaceModel(FrameModel):
 
 
 def space_parts(scenario: FrameScenario, *, pins: bool) -> list[str]:
-    """Parts of a frame that models in space do not know, in words; `pins` that they know."""
+    """Parts that models in space do not know, in words; `pins` that they know.
+
+    Of a frame that stays in its plane these are joints alone.
+    """
     frame = scenario.frame
     known = {RIGID.name, PINNED.name} if pins else {RIGID.name}
     joints = dict.fromkeys(n for m in frame.members for n in (m.joint_start, m.joint_end))
     parts = [f"joint {name}" for name in joints if name not in known]
+    if not frame.spatial:
+        return parts
     for node in frame.nodes:
         if node.support not in ("free", *HELD_BESIDE):
             parts.append(f"support {node.support} of node {node.name}")
