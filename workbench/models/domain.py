@@ -525,7 +525,7 @@ def factor(scenario: ColumnImpact, target: str) -> tuple[float, float, float]:
     return low, middle, high
 
 
-def _factor_values(scenario: ColumnImpact, target: str) -> dict[str, float]:
+def _factor_values(scenario: ColumnImpact, target: str) -> dict[str, Any]:
     """The factor of a `target` with the ends of its interval, by their names in sentences."""
     name = "edge" if target == EDGE else "face"
     ends = f"{name}_low", name, f"{name}_high"
