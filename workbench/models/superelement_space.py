@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.base.fields import Number, checked
+from workbench.mechanics.frames.members import twist_stiffness
 from workbench.mechanics.frames.structure import FrameStructure
 from workbench.mechanics.structures.space import SpaceBar, SpaceSuperelements
 from workbench.models.frame_model import (
@@ -22,7 +23,6 @@ from workbench.models.references.fiber_space import Placed, SpaceModel, surface_
 from workbench.models.superelements import SHARE, march
 from workbench.responses import Response
 from workbench.scenarios import FrameImpact
-from workbench.steel.sections.slenderness import torsion_constants
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class SuperelementSpace(SpaceModel):
                     strength=(strong.squash_load, strong.plastic_moment, weak.plastic_moment),
                     axial=modulus * strong.area,
                     bending=(modulus * strong.second_moment, modulus * weak.second_moment),
-                    torsion=steel.shear_modulus * torsion_constants(section)[0],
+                    torsion=twist_stiffness(section, steel),
                     hinge_stiffness=self.hinge_stiffness,
                     mass=strong.mass_per_length,
                     rotary=strong.mass_per_length * strong.second_moment / strong.area,

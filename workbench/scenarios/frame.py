@@ -16,7 +16,7 @@ from typing import Any, TypeVar, cast
 
 import numpy as np
 
-from workbench.base.arrays import Array, Indices
+from workbench.base.arrays import Array, Flags, Indices
 from workbench.base.errors import InputError
 from workbench.base.fields import Choice, Declared, Flag, Instance, Many, checked, did_you_mean
 from workbench.scenarios.parts import (
@@ -193,6 +193,12 @@ class Frame(MadeOfSteel, table="frame"):
         return self.places if self.spatial else self.places[:, :2]
 
     @of_geometry
+    def upright(self) -> Flags:
+        """Whether each member stands upright (members,)."""
+        run, rise, aside = np.diff(self.places[self.ends], axis=1)[:, 0].T
+        return np.asarray(np.hypot(run, aside) < UPRIGHT * np.abs(rise))
+
+    @of_geometry
     def directions(self) -> Array:
         """Axes of each member before its section is rolled (members, 3, 3), unit vectors as rows.
 
@@ -200,8 +206,7 @@ class Frame(MadeOfSteel, table="frame"):
         """
         start, end = self.places[self.ends.T]
         along = (end - start) / self.lengths[:, None]
-        stands = np.hypot(along[:, 0], along[:, 2]) < UPRIGHT * np.abs(along[:, 1])
-        side = np.where(stands[:, None], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+        side = np.where(self.upright[:, None], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
         side -= np.sum(side * along, axis=1)[:, None] * along
         side /= np.linalg.norm(side, axis=1)[:, None]
         return np.stack([along, side, np.cross(along, side)], axis=1)

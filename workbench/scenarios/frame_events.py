@@ -20,7 +20,7 @@ from workbench.scenarios.column import (
     Impact,
     Striker,
 )
-from workbench.scenarios.frame import UPRIGHT, Frame, FrameForm
+from workbench.scenarios.frame import Frame, FrameForm
 from workbench.scenarios.parts import COMPONENT, GRAVITY, NAME, OVERRIDES, Load, Member, Node
 from workbench.scenarios.pulse import UNIFORM, MemberPulse, Pulse
 
@@ -293,8 +293,8 @@ def facing(scenario: FrameScenario) -> FrameScenario:
     nodes = tuple(
         node.unchecked(x=c * node.x + s * node.z, z=c * node.z - s * node.x) for node in frame.nodes
     )
-    rises = frame.chords[:, 1] / frame.lengths  # upright members turn, of others the rule does
-    rolls = turn * np.sign(rises) * (np.abs(rises) > 1.0 - 0.5 * UPRIGHT**2)
+    # upright members turn, of others the rule does
+    rolls = turn * np.sign(frame.chords[:, 1]) * frame.upright
     members = tuple(
         member.unchecked(roll=member.roll + roll)
         for member, roll in zip(frame.members, rolls.tolist(), strict=True)

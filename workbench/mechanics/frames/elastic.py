@@ -22,12 +22,11 @@ from threadpoolctl import ThreadpoolController
 
 from workbench.base.arrays import Array
 from workbench.mechanics.frames import out_of_domain
-from workbench.mechanics.frames.members import chains, shear_stiffness
+from workbench.mechanics.frames.members import chains, shear_stiffness, twist_stiffness
 from workbench.mechanics.frames.structure import dead_loads, hinge_names, nodal_loads, series
 from workbench.mechanics.structures.assembly import COMPONENTS, SPATIAL
 from workbench.scenarios import Frame, FrameImpact, Load, Member, Node
 from workbench.scenarios.parts import COMPONENT, OVERRIDES
-from workbench.steel.sections.slenderness import torsion_constants
 
 NO_STIFFNESS = 1e-11  # eigenvalue of the scaled stiffness that counts as none
 UNBALANCED = 1e-6  # share of a load that meets no stiffness
@@ -133,7 +132,7 @@ class ElasticFrame:
             both = frame.about_both(member)
             radius = sum(values.second_moment for values in both) / properties.area
             turned = properties.mass_per_length * part * radius / 6.0
-            mass = _in_space(mass, mass, turned * np.array([[2.0, 1.0], [1.0, 2.0]]))
+            mass = _both_planes(mass, mass, turned * np.array([[2.0, 1.0], [1.0, 2.0]]))
         between = spare + 2 * turns + np.arange(each * (self._parts - 1)).reshape(-1, each)
         line = np.vstack([dofs[:each], between, dofs[each:]])
         beams = np.hstack([line[:-1], line[1:]])
@@ -175,7 +174,7 @@ class ElasticFrame:
         softening = np.zeros_like(self.stiffness)
         for i, (beams, _, local) in enumerate(self._beams):
             bow = _geometric(self._frame.length(self._frame.members[i]) / self._parts)
-            bow = _in_space(bow, bow, np.zeros((2, 2))) if self._frame.spatial else bow
+            bow = _both_planes(bow, bow, np.zeros((2, 2))) if self._frame.spatial else bow
             for dofs in beams:
                 softening[np.ix_(dofs, dofs)] += axial[2 * i] * local.T @ bow @ local
         grid = np.ix_(self._free, self._free)
@@ -233,12 +232,12 @@ def _beam(frame: Frame, member: Member, axial: float, length: float, softer: flo
         return _stiffness(axial, modulus * frame.properties(member).second_moment, length, softer)
     strong, weak = (modulus * values.second_moment for values in frame.about_both(member))
     section = frame.strength_section(member)
-    twist = frame.steel.shear_modulus * torsion_constants(section.about("strong"))[0] / length
+    twist = twist_stiffness(section.about("strong"), frame.steel) / length
     planes = _stiffness(axial, strong, length, softer), _stiffness(axial, weak, length)
-    return _in_space(*planes, twist * np.array([[1.0, -1.0], [-1.0, 1.0]]))
+    return _both_planes(*planes, twist * np.array([[1.0, -1.0], [-1.0, 1.0]]))
 
 
-def _in_space(strong: Array, weak: Array, twist: Array) -> Array:
+def _both_planes(strong: Array, weak: Array, twist: Array) -> Array:
     """Matrix (12, 12) of two planes of bending (6, 6), the first with what is axial, and twist."""
     matrix, alike = np.zeros((12, 12)), np.array([0.0, 1.0, -1.0, 0.0, 1.0, -1.0])
     matrix[np.ix_([0, 2, 4, 6, 8, 10], [0, 2, 4, 6, 8, 10])] = weak * np.outer(alike, alike)

@@ -27,7 +27,6 @@ from workbench.mechanics.structures.paths import apply_loads
 from workbench.mechanics.structures.superelements import HingeEnd, Superelements
 from workbench.responses import Response, finding, findings_of, set_findings
 from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, Joint, Load, Member
-from workbench.scenarios.frame import UPRIGHT
 from workbench.scenarios.parts import COMPONENT, RIGID
 from workbench.steel.hinges import YieldSurface
 
@@ -213,9 +212,7 @@ def member_names(frame: Frame) -> tuple[str, ...]:
 @lru_cache(maxsize=64)
 def upright_names(frame: Frame) -> tuple[str, ...]:
     """Names of the members that stand upright, in their order."""
-    run = np.linalg.norm(np.delete(frame.chords, 1, axis=1), axis=1)
-    rows = np.flatnonzero(run < UPRIGHT * np.abs(frame.chords[:, 1]))
-    return tuple(frame.members[i].name for i in rows)
+    return tuple(frame.members[i].name for i in np.flatnonzero(frame.upright))
 
 
 def in_space(vectors: Array) -> Array:

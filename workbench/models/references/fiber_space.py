@@ -16,7 +16,7 @@ import numpy as np
 
 from workbench.base.arrays import Array
 from workbench.base.fields import Number, checked
-from workbench.mechanics.frames.members import LAYERS
+from workbench.mechanics.frames.members import LAYERS, NAMED, twist_stiffness
 from workbench.mechanics.frames.structure import (
     FrameStructure,
     apply_dead_loads,
@@ -54,10 +54,8 @@ from workbench.scenarios import (
 from workbench.scenarios.frame_events import azimuth, facing
 from workbench.scenarios.parts import HELD_BESIDE, PINNED, RIGID
 from workbench.steel.hinges import BiaxialSurface
-from workbench.steel.sections.slenderness import torsion_constants
 
 BESIDE = {"sideways": "w", "twist": "turn_y"}  # histories of a column by component
-NAMED = 4  # parts that a sentence names
 surface_in_space = lru_cache(maxsize=256)(BiaxialSurface)
 
 
@@ -72,10 +70,10 @@ class SpaceMembers(FiberMembers):
         strengths = [(s.squash_load, w.plastic_moment, s.plastic_moment) for s, w in both]
         self._strength = np.repeat(strengths, 2, axis=0)
         sections = [frame.strength_section(member).about("strong") for member in frame.members]
-        rows = np.repeat([list(dict.fromkeys(sections)).index(each) for each in sections], 2)
-        surfaces = enumerate(dict.fromkeys(sections))
+        distinct = list(dict.fromkeys(sections))
+        rows = np.repeat([distinct.index(each) for each in sections], 2)
         self._surfaces = [
-            (surface_in_space(each), np.flatnonzero(rows == i)) for i, each in surfaces
+            (surface_in_space(each), np.flatnonzero(rows == i)) for i, each in enumerate(distinct)
         ]
 
     def moments(self) -> Array:
@@ -315,7 +313,7 @@ class FiberSpace(SpaceModel, FiberReference):
                     law=law,
                     mass_per_length=frame.properties(member).mass_per_length,
                     z=places.z,
-                    torsion=steel.shear_modulus * torsion_constants(section)[0],
+                    torsion=twist_stiffness(section, steel),
                 )
             )
         return SpaceBeams(mesh.nodes, mesh.member, fibers, placed.heights, axes=placed.axes)
