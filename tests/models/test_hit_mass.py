@@ -21,6 +21,7 @@ from workbench.models.hit_mass import (
     elastic_energy,
     front_velocity,
     late_work,
+    supported_mass,
     wave_mass,
     with_hit_mass,
 )
@@ -70,10 +71,49 @@ def test_far_hinges_are_late_by_a_quarter_of_the_first_period() -> None:
     omega = root**2 * np.sqrt(bending / properties.mass_per_length) / length**2
     missing = 12.0 * (0.5 * np.pi / omega) * properties.plastic_moment / length
     lost = 0.5 * properties.mass_per_length * length / 3.0 * 12.0**2
-    assert late_work(scenario, length) == pytest.approx(missing / lost, rel=1e-5)
+    bar = bending, properties.plastic_moment
+    assert late_work(scenario, length, *bar) == pytest.approx(missing / lost, rel=1e-5)
     # with the bar: delay as l^2, mass as l, hinge force as 1 / l
-    assert late_work(scenario, 2.0) == pytest.approx(late_work(scenario, 4.0), rel=1e-12)
-    assert late_work(scenario.at_velocity(0.1), length) == 1.0
+    assert late_work(scenario, 2.0, *bar) == pytest.approx(
+        late_work(scenario, 4.0, *bar), rel=1e-12
+    )
+    assert late_work(scenario.at_velocity(0.1), length, *bar) == 1.0
+
+
+def test_supports_feel_hits_from_all_sides_late() -> None:
+    scenario = impact(2.0, 1e3, 12.0)
+    lumped = scenario.column.properties.impact_mass
+    masses = {
+        angle: supported_mass(scenario.changed(striker=Striker(1e3, 12.0, angle=np.radians(angle))))
+        for angle in (0.0, 1e-9, 45.0, 90.0)
+    }
+    assert masses[1e-9] == pytest.approx(masses[0.0], rel=1e-9)  # nothing jumps
+    weak = scenario.changed(column=scenario.column.changed(axis="weak"))
+    assert supported_mass(weak) == pytest.approx(masses[90.0], rel=1e-12)
+    assert all(0.2 * lumped < mass < 0.9 * lumped for mass in masses.values())
+    column = scenario.column  # in its plane: the rule "waves" where webs neither slide nor shear
+    properties = column.properties
+    bending = column.steel.elastic_modulus * properties.second_moment
+    lengths = np.array([column.length_below, column.length_above])
+    resistance, stiffness = (
+        sum(2.0 * properties.plastic_moment / lengths),
+        sum(12.0 * bending / lengths**3),
+    )
+    elastic = 0.5 * resistance**2 / stiffness * (1.0 + lumped / scenario.striker.mass)
+    late = [late_work(scenario, each, bending, properties.plastic_moment) for each in lengths]
+    share = 1.0 - (1.0 - elastic / scenario.input_energy) * np.dot(late, lengths / column.length)
+    assert masses[0.0] == pytest.approx(lumped * share, rel=2e-3)  # fillets as squares
+
+
+def test_supports_that_are_pinned_are_not_late() -> None:
+    column = Column(HEB, 1.0, 3.0, base_weak="pinned", head="pinned")
+    thesis = column.properties.impact_mass
+    masses = [
+        supported_mass(ColumnImpact("hit", column, Striker(1e3, 12.0, angle=angle)))
+        for angle in (0.0, 0.3)
+    ]
+    assert masses[0] < thesis  # the base is clamped in the plane of the web
+    assert masses[1] == pytest.approx(thesis, rel=1e-12)
 
 
 def test_elastic_energy_is_that_of_clamped_and_pinned_bars_side_by_side() -> None:

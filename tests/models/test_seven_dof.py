@@ -23,6 +23,7 @@ from workbench.steel.sections.slenderness import torsion_constants
 from workbench.study.error_model.error_model import with_remedies
 
 STEEL = Steel(yield_stress=355e6)
+THESIS = SevenDof(hit_mass="thesis")  # the mass at the impact point of four-dof
 HEB, IPE = i_section(0.22, 0.22, 0.0095, 0.016), i_section(0.30, 0.15, 0.0071, 0.0107)
 SHS = section_from({"height": 0.2, "width": 0.2, "wall": 0.01})
 CHS = section_from({"diameter": 0.2191, "wall": 0.01})
@@ -98,13 +99,15 @@ def ledger(response: Response) -> float:
 
 
 @pytest.mark.parametrize(("name", "degrees"), [(n, d) for n in FIBERS for d in FIBERS[n]])
-def test_fibers_in_space_within_four_percent(name: str, degrees: int) -> None:
-    assert peak(Uniform(), struck(name, degrees)) == pytest.approx(FIBERS[name][degrees], rel=0.04)
+def test_fibers_in_space(name: str, degrees: int) -> None:
+    hit, fibers = struck(name, degrees), FIBERS[name][degrees]
+    assert peak(Uniform(hit_mass="thesis"), hit) == pytest.approx(fibers, rel=0.04)
+    assert peak(Uniform(), hit) == pytest.approx(fibers, rel=0.025)  # measured -0.4 to +2.0 %
 
 
 @pytest.mark.parametrize(("name", "degrees"), [(n, d) for n in PROTOTYPE for d in PROTOTYPE[n]])
 def test_another_program_of_the_same_equations(name: str, degrees: int) -> None:
-    found = peak(RigidInShear(), struck(name, degrees))
+    found = peak(RigidInShear(hit_mass="thesis"), struck(name, degrees))
     assert found == pytest.approx(PROTOTYPE[name][degrees], rel=0.006)
 
 
@@ -115,13 +118,13 @@ def test_hits_in_a_plane_are_those_of_four_dof(name: str) -> None:
         plane = plane.changed(column=plane.column.changed(axis=axis))
         surface = plane.column.strength_section.interaction_fit()
         four = make_model("four-dof", dict(zip(("alpha", "beta"), surface, strict=True)))
-        response = answered(SevenDof(), struck(name, degrees))
+        response = answered(THESIS, struck(name, degrees))
         # fitted surfaces are some percent off the exact one
         expected = pytest.approx(peak(four, plane), rel=2e-3 if axis == "weak" else 1.5e-2)
         assert float(response["peak_displacement"]) == expected
         assert np.abs(response["sideways"]).max() < 1e-12
         assert np.abs(response["twist"]).max() < 1e-12
-        turned = answered(SevenDof(), plane)
+        turned = answered(THESIS, plane)
         assert float(turned["peak_displacement"]) == pytest.approx(
             float(response["peak_displacement"]), rel=1e-12
         )
@@ -134,7 +137,7 @@ def test_a_surface_that_agrees_gives_four_dof_to_a_thousandth() -> None:
             ColumnImpact("square", column, Striker(1500.0, velocity, angle=radians(angle)))
             for angle in (0.0, 30.0, 60.0, 90.0)
         ]
-        peaks = [peak(SevenDof(), hit) for hit in hits]
+        peaks = [peak(THESIS, hit) for hit in hits]
         four = make_model("four-dof", {"alpha": 1.0, "beta": 2.0})  # exact: m = 1 - n^2
         assert peaks[0] == pytest.approx(peak(four, hits[0]), rel=1e-3)
         assert peaks[::-1] == pytest.approx(peaks, rel=1e-6)  # four sides are alike
@@ -169,7 +172,7 @@ def test_rectangles_along_their_flanges_are_four_dof_about_the_weak_axis(
     )
     alpha, fitted = weak.column.strength_section.interaction_fit()
     four = make_model("four-dof", {"alpha": alpha if beta is None else 1.0, "beta": beta or fitted})
-    assert peak(SevenDof(), hit) == pytest.approx(peak(four, weak), rel=share)
+    assert peak(THESIS, hit) == pytest.approx(peak(four, weak), rel=share)
     assert peak(SevenDof(), hit) == pytest.approx(peak(SevenDof(), weak), rel=1e-9)
 
 
@@ -178,7 +181,8 @@ def test_rectangles_along_their_flanges_are_four_dof_about_the_weak_axis(
 def test_ledger_closes(degrees: float, restitution: float) -> None:
     for name in COLUMNS:
         hit = struck(name, degrees, restitution=restitution)
-        assert ledger(answered(SevenDof(), hit)) < 1e-8
+        assert ledger(answered(THESIS, hit)) < 1e-8
+        assert ledger(answered(SevenDof(), hit)) < 1e-7  # less mass, longer steps: 6e-8
 
 
 def test_energy_is_exact_up_to_the_tolerance_of_newton() -> None:
@@ -202,7 +206,8 @@ FACES = {
 
 @pytest.mark.parametrize(("name", "degrees"), FACES)
 def test_a_face_with_friction_slides_or_sticks(name: str, degrees: float) -> None:
-    answers = [answered(Stiff(), struck(name, degrees, friction=mu)) for mu in (0.0, 0.3, 1e3)]
+    model = Stiff(hit_mass="thesis")
+    answers = [answered(model, struck(name, degrees, friction=mu)) for mu in (0.0, 0.3, 1e3)]
     found = [float(each["peak_displacement"]) for each in answers]
     assert found == pytest.approx(FACES[name, degrees], rel=0.02)
     for each in answers[1:]:

@@ -10,8 +10,10 @@ f = (1 - r) (1 + mu) / (1 - r + mu) what is lost of that where webs yield in she
 velocity v_s on, r V_pl the shear force of the mechanism; g = 2 t M / (m l v0) the work that the far
 hinge, of moment M, does not do before it feels the hit, after t = pi / (2 omega) of the first mode
 of the bar, hinged where it is hit and clamped behind; E_el the elastic energy at the mechanism. The
-column gives never less than a piece as long as its section is high. Derivation, what the rule does
-to bias and scatter, and where the argument is weak: docs/theory/hit-mass.md.
+column gives never less than a piece as long as its section is high. Rule "supports" is that of
+models in space: late supports alone, along the hit from any side, without webs that slide.
+Derivation, what the rules do to bias and scatter, where the argument is weak:
+docs/theory/hit-mass.md.
 """
 
 from math import pi, sqrt
@@ -24,9 +26,12 @@ from workbench.base.fields import Choice
 from workbench.models.domain import mechanism_demand
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnImpact
+from workbench.steel.hinges import BiaxialSurface
+from workbench.steel.sections import AXES
 
-THESIS, WAVES = "thesis", "waves"
-HIT_MASS = Choice((THESIS, WAVES))
+THESIS, WAVES, SUPPORTS = "thesis", "waves", "supports"
+HIT_MASS, HIT_MASS_IN_SPACE = Choice((THESIS, WAVES)), Choice((THESIS, SUPPORTS))
+_ALONG = 1e-12  # cosine of a hit that is one along the flanges or the web
 _FIRST_MODE = 3.926602  # beta l of a bar hinged at one end and clamped at the other
 
 
@@ -34,8 +39,8 @@ def with_hit_mass(scenario: ColumnImpact, rule: str) -> ColumnImpact:
     """The impact with the impact mass (kg) of a rule; one that is given counts as it is."""
     if rule == THESIS or scenario.column.impact_mass is not None:
         return scenario
-    column = scenario.column.changed(impact_mass=wave_mass(scenario))
-    return scenario.changed(column=column)
+    mass = wave_mass(scenario) if rule == WAVES else supported_mass(scenario)
+    return scenario.changed(column=scenario.column.changed(impact_mass=mass))
 
 
 def light_impact_mass(scenario: Any) -> list[Finding]:
@@ -51,6 +56,7 @@ def wave_mass(scenario: ColumnImpact) -> float:
     column, properties = scenario.column, scenario.column.properties
     lumped, demand = properties.impact_mass, mechanism_demand(column)
     ratio = lumped / scenario.striker.mass
+    bending = column.steel.elastic_modulus * properties.second_moment
     yielding = np.maximum(0.0, 1.0 - front_velocity(scenario) / scenario.striker.velocity)
     plastic = 1.0 - elastic_energy(column) * (1.0 + ratio) / scenario.input_energy
     shared = 0.0
@@ -59,11 +65,60 @@ def wave_mass(scenario: ColumnImpact) -> float:
         lost = left * (1.0 + ratio) / (left + ratio)
         share = 1.0 - yielding * (1.0 - lost)
         if clamped:
-            share = share - np.maximum(0.0, plastic) * late_work(scenario, length)
+            moment = np.minimum(
+                properties.plastic_moment, 0.5 * properties.shear_resistance * length
+            )
+            share = share - np.maximum(0.0, plastic) * late_work(scenario, length, bending, moment)
         shared = shared + np.maximum(0.0, share) * length / column.length
-    piece = properties.mass_per_length * column.section.height
+    return _at_least_a_piece(column, shared)
+
+
+def _at_least_a_piece(column: Column, shared: float) -> float:
+    properties = column.properties
+    piece, lumped = properties.mass_per_length * column.section.height, properties.impact_mass
     mass: float = np.minimum(np.maximum(shared * lumped, piece), lumped)
     return mass
+
+
+def direction_of(scenario: ColumnImpact) -> tuple[Any, Any]:
+    """Cosine and sine of the angle of a hit from the height of the section."""
+    angle = scenario.angle_from_height
+    both = np.cos(angle), np.sin(angle)
+    y, z = (np.where(np.abs(each) < _ALONG, 0.0, each) for each in both)
+    return y, z
+
+
+def supported_mass(scenario: ColumnImpact) -> float:
+    """Mass (kg) that shares the velocity of the striker at once, by the rule "supports".
+
+    The impact point moves sideways as it likes: its flexibility along the hit is that of both
+    planes, and the moment along the hit the largest one on the domain of the section under the
+    axial load. An end that is pinned about either axis of it gives way.
+    """
+    column, direction = scenario.column, direction_of(scenario)
+    both = [column.bent_about(axis) for axis in AXES]
+    steel, axial = column.steel, column.axial_load / column.properties.squash_load
+    planes = list(zip(direction, both, strict=True))
+    flexible = sum(c**2 / (steel.elastic_modulus * e.properties.second_moment) for c, e in planes)
+    moments = [c / each.properties.plastic_moment for c, each in planes]
+    surface = BiaxialSurface(both[0].strength_section)
+    moment = surface.largest_moments(np.stack(np.broadcast_arrays(axial, *moments), axis=-1))
+    bending, stiffness, resistance, late = (
+        1.0 / flexible,
+        np.array(0.0),
+        np.array(0.0),
+        np.array(0.0),
+    )
+    for bar, (length, _) in column.bars.items():
+        pinned = sum(np.where(each.bars[bar][1], 0.0, np.abs(c)) for c, each in planes) > 0.0
+        stiffness = stiffness + np.where(pinned, 3.0, 12.0) * bending / length**3
+        resistance = resistance + np.where(pinned, 1.0, 2.0) * moment / length
+        missing = late_work(scenario, length, bending, moment)
+        late = late + np.where(pinned, 0.0, missing) * length / column.length
+    ratio = column.properties.impact_mass / scenario.striker.mass
+    elastic = 0.5 * resistance**2 / stiffness
+    plastic = np.maximum(0.0, 1.0 - elastic * (1.0 + ratio) / scenario.input_energy)
+    return _at_least_a_piece(column, 1.0 - plastic * late)
 
 
 def front_velocity(scenario: ColumnImpact) -> float:
@@ -80,16 +135,13 @@ def shear_rigidity(column: Column) -> float:
     return column.steel.shear_modulus * area
 
 
-def late_work(scenario: ColumnImpact, length: float) -> float:
-    """Work that the far hinge of a bar of a `length` (m) does not do, over the loss of the thesis.
+def late_work(scenario: ColumnImpact, length: float, bending: Any, moment: Any) -> float:
+    """Work that the far hinge of a bar does not do, over the loss of the thesis; at most all of it.
 
-    At most all of it.
+    Arguments: `length` (m) and `bending` stiffness (N m2) of the bar, `moment` (N m) of the hinge.
     """
-    column, properties = scenario.column, scenario.column.properties
-    bending = column.steel.elastic_modulus * properties.second_moment
-    mass = properties.mass_per_length
+    mass = scenario.column.properties.mass_per_length
     late = 0.5 * pi * (length / _FIRST_MODE) ** 2 * np.sqrt(mass / bending)
-    moment = np.minimum(properties.plastic_moment, 0.5 * properties.shear_resistance * length)
     share = 6.0 * moment * late / (mass * length**2 * scenario.striker.velocity)
     most: float = np.minimum(1.0, share)
     return most

@@ -416,6 +416,11 @@ class ColumnImpact(Impact, Weighed, Declared, table="time"):
         """Whether the striker has an angle to a column that is bent about its weak axis."""
         return (self.striker.angle > 0.0) & (self.column.axis == "weak")
 
+    @property
+    def angle_from_height(self) -> float:
+        """Angle (rad) of the hit from the height of the section, whatever axis it bends about."""
+        return self.striker.angle + (0.5 * pi if self.column.axis == "weak" else 0.0)
+
     KIND: ClassVar[str] = "column-impact"
     READING: ClassVar[int] = 2  # raised when what all models read off their histories changes
     STATIC: ClassVar[bool] = False

@@ -9,7 +9,7 @@ from abc import abstractmethod
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import cos, pi, sin
+from math import cos, sin
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -146,10 +146,9 @@ def place_column(scenario: ColumnImpact, lengths: list[Array]) -> Placed:
     Dofs at supports lie along the axes of the section.
     """
     column = scenario.column.bent_about("strong")
-    angle = scenario.striker.angle + (0.5 * pi if scenario.column.axis == "weak" else 0.0)
     frame = as_frame(scenario.unchecked(column=column)).frame
     mesh = _meshed(frame, lengths)
-    c, s = cos(angle), sin(angle)
+    c, s = cos(scenario.angle_from_height), sin(scenario.angle_from_height)
     turned = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
     supports = np.isin(mesh.nodes, [frame.number[name] for name in ("base", "head")])
     axes = np.where(supports[:, :, None, None], turned, np.eye(3))

@@ -5,7 +5,7 @@ the exact N-My-Mz domain of the section. Mathematics: `march`.
 """
 
 from dataclasses import dataclass
-from math import inf, pi
+from math import inf
 from typing import Any, ClassVar
 
 import numpy as np
@@ -23,7 +23,7 @@ from workbench.models.elastic_springs import Springs, beam_springs, thesis_sprin
 from workbench.models.four_dof.march import CLOSELY, HINGES, NEARLY
 from workbench.models.four_dof.model import RigidBars, answer_stack, collapsed, stackable
 from workbench.models.four_dof.statics import Tables
-from workbench.models.hit_mass import with_hit_mass
+from workbench.models.hit_mass import HIT_MASS_IN_SPACE, SUPPORTS, direction_of, with_hit_mass
 from workbench.models.seven_dof import march
 from workbench.models.seven_dof.kinematics import (
     BELOW,
@@ -46,7 +46,6 @@ from workbench.steel.hinges.biaxial_kernels import ROOM
 from workbench.steel.sections.slenderness import torsion_constants
 
 _AXES = ("strong", "weak")
-_ALONG = 1e-12  # cosine of a hit that is one along the flanges
 _BARS, _ENDS = np.array(HINGES).T
 
 
@@ -54,10 +53,11 @@ _BARS, _ENDS = np.array(HINGES).T
 class SevenDof(RigidBars):
     """Column hit from any side; its impact point may drift sideways and twist."""
 
+    hit_mass: str = checked(HIT_MASS_IN_SPACE, SUPPORTS)
     rate_level: str = checked(Choice((FACTOR,)), FACTOR)
 
     name: ClassVar[str] = "seven-dof"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     spatial: ClassVar[bool] = True
     marches: ClassVar[Any] = march
@@ -128,9 +128,7 @@ class SevenDof(RigidBars):
         return bars, q
 
     def _strike(self, bars: Any, scenario: ColumnImpact) -> None:
-        angle = scenario.striker.angle + (0.5 * pi if scenario.column.axis == "weak" else 0.0)
-        along = np.stack(np.broadcast_arrays(np.cos(angle), np.sin(angle)), axis=-1)
-        bars["angle"] = np.where(np.abs(along) < _ALONG, 0.0, along)
+        bars["angle"] = np.stack(np.broadcast_arrays(*direction_of(scenario)), axis=-1)
         bars["friction"] = scenario.striker.friction
 
     def _march(
@@ -218,8 +216,7 @@ class SevenDof(RigidBars):
         findings = super().domain(scenario.unchecked(column=column.weaker))
         if any(each.refusal for each in findings):
             return findings
-        flanges = scenario.striker.angle > 0.5 * pi - _ALONG or column.axis == "weak"
-        sheared = column.bent_about("weak" if flanges else "strong")
+        sheared = column.bent_about("strong" if direction_of(scenario)[0] else "weak")
         return findings + shear_findings(scenario.unchecked(column=sheared))
 
     def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:

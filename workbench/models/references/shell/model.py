@@ -7,7 +7,7 @@ the web as a whole.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import degrees, pi
+from math import degrees
 from typing import Any, ClassVar
 
 import numpy as np
@@ -130,7 +130,7 @@ class Shell(Declared, table="option"):
         if load >= critical and not (findings or self.upright):
             kilo = {"load": load / 1e3, "critical": critical / 1e3}
             findings.append(finding("euler-reached", load / critical, **kilo))  # type: ignore[arg-type]
-        direction, away = direction_of(scenario), striker.eccentricity
+        direction, away = scenario.angle_from_height, striker.eccentricity
         if self.upright and direction:
             findings.append(finding("off-plane", degrees(direction), name="upright shell"))
         room = target_of(section, direction, away).room
@@ -150,7 +150,7 @@ class Shell(Declared, table="option"):
         """
         column = scenario.column
         shells = shell_column(column, self.refinement, self.bow, self.tilt, self.upright)
-        direction = direction_of(scenario)
+        direction = scenario.angle_from_height
         section = column.strength_section.about("strong")
         target = target_of(section, direction, scenario.striker.eccentricity)
         met, size = None if self.struck == "web" else target, (self.face_width, self.face_height)
@@ -270,8 +270,3 @@ class ShellRecord:
             hourglass_share=share,
         )
         return response
-
-
-def direction_of(scenario: ColumnImpact) -> float:
-    """Direction (rad) of a hit off the height of the section."""
-    return 0.5 * pi if scenario.column.axis == "weak" else scenario.striker.angle
