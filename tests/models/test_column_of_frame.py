@@ -20,7 +20,7 @@ from workbench.mechanics.frames.collapse import collapse_factor, collapse_mechan
 from workbench.mechanics.frames.column_estimate import SAME
 from workbench.mechanics.frames.elastic import HEAD_MASSES, ElasticFrame, dead_load_state
 from workbench.models.base import make_model
-from workbench.models.column_of_frame import MODELS, ColumnOfFrame, derive_column
+from workbench.models.column_of_frame import MODELS, ColumnOfFrame
 from workbench.models.four_dof import FourDof
 from workbench.models.superelements import RigidSuperelement
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
@@ -49,6 +49,10 @@ ARM, HEIGHT, AT = 3.0, 4.0, 1.0  # m
 EI, EA = 210e9 * SECTION.second_moment, 210e9 * SECTION.area
 MOMENT = SECTION.plastic_moment(regular_frame((1.0,), (1.0,), SECTION, SECTION).steel)
 BEAM_MASS = 7850.0 * SECTION.area * ARM
+
+
+def derive_column(scenario: FrameImpact, head_mass: str = "column-line") -> ColumnImpact:
+    return ColumnOfFrame(head_mass=head_mass).estimate(scenario).column
 
 
 def cross(storeys: int = 1, right: bool = True, **base: object) -> Frame:

@@ -32,7 +32,6 @@ from workbench.responses import (
     warnings_of,
 )
 from workbench.scenarios import (
-    ColumnImpact,
     FrameImpact,
     Member,
     Node,
@@ -54,17 +53,6 @@ RESTRAINT, ANCHOR = "restraint", "anchor"
 LONGEST, SHORTEST = 100.0, 2.0  # m, of the bar that is the restraint
 BAR_AREA = 0.01  # m2
 PICTURES = ("snapshot_at", "shape_x", "shape_y", "utilisation", "member", "point", "snapshot")
-
-
-def derive_column(
-    scenario: FrameImpact, head_mass: str = "column-line", head: str = "joined"
-) -> ColumnImpact:
-    """The struck column of a frame as a column impact.
-
-    Arguments as the options of `ColumnOfFrame`. Raises `InputError`, and `OutOfDomainError` where
-    what is hit is no column, or none that such a scenario can hold.
-    """
-    return ColumnOfFrame(head_mass=head_mass, head=head).estimate(scenario).column
 
 
 @dataclass(frozen=True)

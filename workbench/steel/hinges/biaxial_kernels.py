@@ -254,28 +254,6 @@ def gauge(surface, q, aim, g, H, room, decide):
 
 
 @njit(cache=True, error_model="numpy")
-def largest_moments(surface, q, aim, g, H, room):
-    """Largest factor on the moments of `q` (3,) beside its axial force, 0 of more than the plastic.
-
-    Newton's method from the factor without axial force: the gauge is convex along any line.
-    """
-    axial, y, z, factor = q[0], q[1], q[2], 1.0
-    q[0] = 0.0
-    factor = 1.0 / gauge(surface, q, aim, g, H, room, False)
-    q[0] = axial
-    for _ in range(_ITERATIONS):
-        q[1], q[2] = factor * y, factor * z
-        beyond = gauge(surface, q, aim, g, H, room, False) - 1.0
-        if not beyond > 1e-12:
-            return factor
-        D = g[0] * aim[0] + g[1] * aim[1] + g[2] * aim[2]
-        factor -= beyond * D / (aim[1] * y + aim[2] * z)
-        if not factor > 0.0:
-            return 0.0
-    return factor
-
-
-@njit(cache=True, error_model="numpy")
 def _is_outside(surface, n, y, z, hinge, room):
     """Whether a hinge flows under its forces; its `aim` turns towards the normal there."""
     if abs(n) + abs(y) + abs(z) <= 1.0:

@@ -418,15 +418,9 @@ class BiaxialSurface(Declared, table="biaxial_surface"):
 
     def gauge(self, forces: ArrayLike) -> Array:
         """How far out forces (..., 3) over the plastic ones are: 1 on the surface, 0 without."""
-        return self._each(biaxial_kernels.gauge, forces, False)
-
-    def largest_moments(self, forces: ArrayLike) -> Array:
-        """Largest factors on the moments of forces (..., 3) beside their axial forces."""
-        return self._each(biaxial_kernels.largest_moments, forces)
-
-    def _each(self, search: Callable[..., float], forces: ArrayLike, *more: bool) -> Array:
         given, g, H = np.array(forces, float), np.empty(3), np.empty((3, 3))
-        found, room = np.empty(given.shape[:-1]), np.zeros(1, biaxial_kernels.ROOM)[0]
-        for i in np.ndindex(found.shape):
-            found[i] = search(self.record, given[i], given[i].copy(), g, H, room, *more)
-        return found
+        gauges, room = np.empty(given.shape[:-1]), np.zeros(1, biaxial_kernels.ROOM)[0]
+        for i in np.ndindex(gauges.shape):
+            searched = self.record, given[i], given[i].copy(), g, H, room, False
+            gauges[i] = biaxial_kernels.gauge(*searched)
+        return gauges
