@@ -51,8 +51,10 @@ MOMENT = SECTION.plastic_moment(regular_frame((1.0,), (1.0,), SECTION, SECTION).
 BEAM_MASS = 7850.0 * SECTION.area * ARM
 
 
-def derive_column(scenario: FrameImpact, head_mass: str = "column-line") -> ColumnImpact:
-    return ColumnOfFrame(head_mass=head_mass).estimate(scenario).column
+def derive_column(
+    scenario: FrameImpact, head_mass: str = "column-line", head: str = "joined"
+) -> ColumnImpact:
+    return ColumnOfFrame(head_mass=head_mass, head=head).estimate(scenario).column
 
 
 def cross(storeys: int = 1, right: bool = True, **base: object) -> Frame:
