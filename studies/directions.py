@@ -17,6 +17,7 @@ from workbench.models.four_dof import FourDof
 from workbench.models.references.fiber_space import FiberSpace
 from workbench.models.references.shell import Shell
 from workbench.models.seven_dof import SevenDof
+from workbench.models.superelement_space import SuperelementSpace
 from workbench.models.superelements import RigidSuperelement
 from workbench.scenarios import Column, ColumnImpact, Striker
 from workbench.steel.sections import find
@@ -41,6 +42,7 @@ models = {
     FIBERS: FiberSpace(levels=2),
     SHELL: Shell(levels=1),
     "seven-dof": SevenDof(),
+    "superelements in space": SuperelementSpace(),
     "4-DOF": FourDof(),
     "rigid bars": RigidSuperelement(shear="none"),
 }
@@ -92,6 +94,16 @@ gates = (
         "relative_error",
         0.05,
         "Two rigid bars with hinges in space against beams whose sections they are.",
+        _BASIS,
+        EVERY,
+    ),
+    Gate(
+        "superelements in space",
+        FIBERS,
+        "peak_displacement",
+        "relative_error",
+        0.05,
+        "Elastic bars with hinges in space against beams whose sections they are.",
         _BASIS,
         EVERY,
     ),
