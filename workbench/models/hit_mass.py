@@ -26,13 +26,13 @@ from workbench.base.fields import Choice
 from workbench.models.domain import mechanism_demand
 from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnImpact
-from workbench.steel.hinges import BiaxialSurface
+from workbench.steel.hinges.interaction import surface_in_space
 from workbench.steel.sections import AXES
 
 THESIS, WAVES, SUPPORTS = "thesis", "waves", "supports"
 HIT_MASS, HIT_MASS_IN_SPACE = Choice((THESIS, WAVES)), Choice((THESIS, SUPPORTS))
 _ALONG = 1e-12  # cosine of a hit that is one along the flanges or the web
-_TURNS = 8  # of a search for a moment, to 1e-4 under half of the squash load
+_TURNS, _NEAR = 100, 1e-3  # of a search for a moment; share of it, at which that ends
 _FIRST_MODE = 3.926602  # beta l of a bar hinged at one end and clamped at the other
 
 
@@ -95,14 +95,18 @@ def supported_mass(scenario: ColumnImpact) -> float:
     column = scenario.column
     both = [column.bent_about(axis) for axis in AXES]
     planes = list(zip(direction_of(scenario), both, strict=True))
-    modulus, surface = column.steel.elastic_modulus, BiaxialSurface(both[0].strength_section)
+    modulus, surface = column.steel.elastic_modulus, surface_in_space(both[0].strength_section)
     bending = modulus / sum(c**2 / each.properties.second_moment for c, each in planes)
     axial = column.axial_load / column.properties.squash_load
     along = (c / each.properties.plastic_moment for c, each in planes)
-    forces = np.stack(np.broadcast_arrays(axial, *along), axis=-1)
+    forces = np.stack(np.broadcast_arrays(0.0 * axial, *along), axis=-1)
     moment: Any = np.ones(forces.shape[:-1])
     for _ in range(_TURNS):  # a contraction: the axial force takes its share of the gauge
-        moment /= surface.gauge(np.stack([forces[..., 0], *(moment * forces.T[1:])], axis=-1))
+        share = surface.gauge(forces)
+        moment, forces[..., 1:] = moment / share, forces[..., 1:] / share[..., None]
+        forces[..., 0] = axial
+        if np.all(np.abs(share - 1.0) < _NEAR):
+            break
     stiffness, resistance, late = np.zeros((3, *moment.shape))
     for bar, (length, _) in column.bars.items():
         held = ~np.any([(c != 0.0) & (not each.bars[bar][1]) for c, each in planes], axis=0)

@@ -19,10 +19,11 @@ from workbench.models.frame_model import (
     TIME_STEP,
     Clock,
 )
-from workbench.models.references.fiber_space import Placed, SpaceModel, surface_in_space
+from workbench.models.references.fiber_space import Placed, SpaceModel
 from workbench.models.superelements import SHARE, march
 from workbench.responses import Response
 from workbench.scenarios import FrameImpact
+from workbench.steel.hinges.interaction import surface_in_space
 
 
 @dataclass(frozen=True)

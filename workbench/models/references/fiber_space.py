@@ -8,7 +8,6 @@ elastic, by St Venant.
 from abc import abstractmethod
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from math import cos, sin
 from typing import Any, ClassVar, NamedTuple
 
@@ -53,10 +52,9 @@ from workbench.scenarios import (
 )
 from workbench.scenarios.frame_events import azimuth, facing
 from workbench.scenarios.parts import HELD_BESIDE, PINNED, RIGID
-from workbench.steel.hinges import BiaxialSurface
+from workbench.steel.hinges.interaction import surface_in_space
 
 BESIDE = {"sideways": "w", "twist": "turn_y"}  # histories of a column by component
-surface_in_space = lru_cache(maxsize=256)(BiaxialSurface)
 
 
 class SpaceMembers(FiberMembers):

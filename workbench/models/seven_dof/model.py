@@ -41,8 +41,8 @@ from workbench.models.strain_rate import FACTOR, with_strain_rate
 from workbench.responses import Finding
 from workbench.scenarios import Column, ColumnImpact, ColumnScenario
 from workbench.scenarios.varied import spread
-from workbench.steel.hinges import BiaxialSurface
 from workbench.steel.hinges.biaxial_kernels import ROOM
+from workbench.steel.hinges.interaction import surface_in_space
 from workbench.steel.sections.slenderness import torsion_constants
 
 _AXES = ("strong", "weak")
@@ -112,7 +112,7 @@ class SevenDof(RigidBars):
             stiffness[:, 0, 2 + i], stiffness[:, 1, 2 + i] = below, above
         for i in range(5):
             bars["stiffness"][:, :, i, i] = stiffness[:, :, i] / strength[:, None, i] ** 2
-        bars["surface"] = BiaxialSurface(both[0].strength_section).record
+        bars["surface"] = surface_in_space(both[0].strength_section).record
         bars["torsion"] = self._torsion(column, count)
         bars["free_head"] = column.head != "fixed"
         bars["spring"] = bars["free_head"] * column.restraint_stiffness

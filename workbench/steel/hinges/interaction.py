@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from math import pi, sqrt
 from typing import Any
 
@@ -424,3 +424,6 @@ class BiaxialSurface(Declared, table="biaxial_surface"):
             searched = self.record, given[i], given[i].copy(), g, H, room, False
             gauges[i] = biaxial_kernels.gauge(*searched)
         return gauges
+
+
+surface_in_space = lru_cache(maxsize=256)(BiaxialSurface)

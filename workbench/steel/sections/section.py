@@ -445,10 +445,12 @@ class Section(Declared, table="section"):
 
     def about(self, axis: str) -> Section:
         """Return the section bent about its strong or weak axis, which its name then says."""
-        if axis == self.axis:
-            return self
-        if axis == "weak":
-            return Section(self.name + _WEAK, self.shape.turned, axis)
+        return self if axis == self.axis else self._turned
+
+    @cached_property
+    def _turned(self) -> Section:
+        if self.axis == "strong":
+            return Section(self.name + _WEAK, self.shape.turned, "weak")
         return Section(self.name.removesuffix(_WEAK), self.shape.turned)
 
     @property
