@@ -68,11 +68,12 @@ class Bricks(NamedTuple):
         return weights / weights.sum()
 
 
-def bricks(scenario: ColumnImpact, refinement: int, least: float) -> Bricks:
+def bricks(scenario: ColumnImpact, refinement: int, least: float, layers: int = 1) -> Bricks:
     """Bricks of a column.
 
     Arguments: `refinement`, so that across the plates two shells of it are one brick; `least`
-    length of a brick along the column in m, at ends and struck section.
+    length of a brick along the column in m, at ends and struck section; `layers`, bricks through
+    the thickness of a plate, 1 or 2.
     """
     column = scenario.column
     section = column.strength_section.about("strong")
@@ -80,7 +81,9 @@ def bricks(scenario: ColumnImpact, refinement: int, least: float) -> Bricks:
     high, wide, thin = 0.5 * shape.height, 0.5 * shape.width, 0.5 * shape.web
     inner, plane = high - shape.flange, high - 0.5 * shape.flange
     beside = halved(np.linspace(thin, wide, walls[0].elements // 2 + 1))
-    web, flange = np.array([-thin, 0.0, thin]), np.array([inner, plane, high])
+    web, flange = (
+        halved(np.linspace(*faces, layers + 1)) for faces in ((-thin, thin), (inner, high))
+    )
     across = np.concatenate([-beside[:0:-1], web, beside[1:]])
     plates = [(-flange[::-1], across), (flange, across)]
     plates.append((halved(np.linspace(-inner, inner, walls[2].elements + 1)), web))
@@ -94,9 +97,12 @@ def bricks(scenario: ColumnImpact, refinement: int, least: float) -> Bricks:
             around = [(x[i + a], y[j + b], z[k + c]) for a, b, c in CORNERS + MIDDLES]
             keys = [tuple(np.round(at, 9).tolist()) for at in around]
             nodes.append([numbers.setdefault(key, len(numbers)) for key in keys])
-    place = np.array(list(numbers))
-    in_web = (np.abs(place[:, 0]) < inner) & (place[:, 1] == 0.0)
-    return Bricks(place, np.isclose(np.abs(place[:, 0]), plane) | in_web, np.array(nodes))
+    place, table = np.array(list(numbers)), np.array(nodes)
+    middle = np.isclose(np.abs(place[:, 0]), plane)
+    middle |= (np.abs(place[:, 0]) < inner) & (place[:, 1] == 0.0)
+    if layers == 2:  # without those in the middle of sides
+        middle &= np.isin(np.arange(len(place)), table[:, :8])
+    return Bricks(place, middle, table)
 
 
 def halved(places: np.ndarray) -> np.ndarray:

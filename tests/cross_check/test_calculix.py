@@ -26,19 +26,26 @@ def struck(degrees: float, duration: float) -> ColumnImpact:
 @pytest.mark.slow
 @pytest.mark.skipif(PROGRAM is None, reason="CalculiX is not installed: apt install calculix-ccx")
 @pytest.mark.parametrize(
-    ("degrees", "duration", "away"), [(90.0, 0.0275, 0.05), (30.0, 0.02, 0.05)]
+    ("degrees", "duration", "faces", "axes"),
+    [(90.0, 0.0275, 0.015, 0.015), (30.0, 0.02, 0.05, 0.105)],
 )
-def test_shells_meet_bricks(degrees, duration, away, tmp_path, monkeypatch) -> None:
-    """Face and axis at all times; the spring of the bricks gives back all that it takes."""
+def test_shells_meet_bricks(degrees, duration, faces, axes, tmp_path, monkeypatch) -> None:
+    """Face and axis at all times, over their largest; the spring gives back all that it takes.
+
+    Obliquely the flange folds about the face of the web of bricks, but about the middle of that of
+    shells, and one brick through it has a plastic moment of 1.155 of the right one: the axis goes
+    farther.
+    """
     monkeypatch.setattr(integrator, "UNLOADING", 1.0)
     scenario = struck(degrees, duration)
     mesh = calculix.bricks(scenario, 0, 0.11)
     printed = calculix.run(calculix.deck(scenario, mesh, 1.6e-4), str(PROGRAM), tmp_path)
-    time, *bricks = calculix.histories(scenario, mesh, printed)
+    time, face, axis = calculix.histories(scenario, mesh, printed)
+    assert time[-1] == pytest.approx(duration)
     response = Shell(levels=1).simulate(scenario)
-    for name, history in zip(("displacement", "shell.axis"), bricks, strict=True):
+    for name, bricks, away in (("displacement", face, faces), ("shell.axis", axis, axes)):
         shells = np.interp(time, response["time"], response[name])
-        assert np.abs(history - shells).max() < away * shells.max(), name
+        assert np.abs(bricks - shells).max() < away * shells.max(), name
 
 
 def test_bricks_have_the_section_and_the_mass_of_the_column() -> None:
