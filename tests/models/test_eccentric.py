@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import radians, tan
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from workbench.api.sweeps import sweep
 from workbench.base.catalogue import load
+from workbench.cli import run
 from workbench.models.base import make_model
 from workbench.models.batch import simulate_many
 from workbench.models.domain import (
@@ -22,15 +25,18 @@ from workbench.models.domain import (
     factor,
     factor_line,
     features_beside,
-    is_drawn,
     log_factors,
+    undrawn,
 )
+from workbench.models.frame_model import as_frame
 from workbench.models.references.shell import Shell
 from workbench.responses import Outcome, findings_of, outcome_of
 from workbench.scenarios import Column, ColumnImpact, Striker
+from workbench.scenarios.files import to_toml
 from workbench.steel.materials import Steel
 from workbench.steel.sections import find
 from workbench.study.error_model.error_model import choose, expected_error
+from workbench.study.limit import find_limit
 
 PAIRS = load(PAIRS_BESIDE)
 ANSWERED = PAIRS[(PAIRS["refinement"] == MESH) & (PAIRS["eccentric_outcome"] == "ok")]
@@ -145,17 +151,67 @@ def test_what_was_not_drawn_is_refused(changes: dict[str, Any]) -> None:
     for path, value in changes.items():
         part, field = path.split(".")
         hit = replace(hit, **{part: getattr(hit, part).changed(**{field: value})})
-    assert not is_drawn(hit)
+    assert undrawn(hit)
     response = make_model("four-dof").simulate(hit)
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
-    assert "eccentricity" in [each.subject for each in findings_of(response) if each.refusal]
+    (refused,) = (each for each in findings_of(response) if each.subject == "eccentricity")
+    assert refused.refusal
+    assert undrawn(hit) in refused.text
 
 
-def test_rows_of_a_table_are_answered_too() -> None:
+def test_a_frame_that_is_hit_beside_the_shear_centre_is_refused() -> None:
+    frame = as_frame(replace(HIT, striker=HIT.striker.changed(eccentricity=0.0)))
+    frame = replace(frame, striker=frame.striker.changed(eccentricity=0.07))
+    response = make_model("flexible-superelement").simulate(frame)
+    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
+    assert "shells were drawn of I sections" in response.attrs["message"]
+
+
+@pytest.mark.parametrize("name", ["four-dof", "seven-dof", "flexible-superelement"])
+def test_rows_of_a_table_carry_the_factor(name: str) -> None:
     hits = [replace(HIT, striker=HIT.striker.changed(eccentricity=e)) for e in (0.0, 0.05, 0.2)]
-    table = simulate_many(make_model("four-dof"), hits)
+    table = simulate_many(make_model(name), hits)
     assert list(table["outcome"]) == ["ok", "ok", "out-of-domain"]
-    assert table["peak_displacement"][0] == table["peak_displacement"][1]
+    centred, beside = table["peak_displacement"][:2]
+    assert beside == pytest.approx(centred, rel=1e-6)
+    known = table.loc[1, ["edge_factor_low", "edge_factor", "edge_factor_high"]]
+    assert tuple(known) == factor(hits[1], EDGE)
+    assert table["edge_factor"].isna().tolist() == [True, False, True]
+    assert "edge_factor" not in simulate_many(make_model(name), hits[:1])
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> str:
+    path = tmp_path / "hit.toml"
+    path.write_text(to_toml(HIT))
+    return str(path)
+
+
+def test_a_sweep_names_the_factor_and_its_picture_the_hit(
+    file: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    over = {"striker.eccentricity": [0.0, 0.07]}
+    swept = sweep(HIT, over, ["four-dof"])["edge_factor"]
+    assert "of the struck edge" in swept.attrs["long_name"]
+    middle = factor(HIT, EDGE)[1]
+    assert swept.to_numpy().ravel() == pytest.approx([np.nan, middle], nan_ok=True)
+    picture = tmp_path / "peaks.svg"
+    asked = ["--over", "striker.eccentricity=0,0.07", "--model", "four-dof", "--plot", str(picture)]
+    assert run(["sweep", file, *asked]) == 0
+    assert f"{middle:.2f}" in capsys.readouterr().out
+    assert "as if hit through the shear centre" in picture.read_text()
+
+
+def test_a_limit_says_that_it_is_of_the_hit_through_the_shear_centre(
+    file: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    narrow = ["--from", "9", "--to", "10", "--tolerance", "0.5", "--model", "four-dof"]
+    assert run(["limit", file, *narrow]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "no collapse up to 10 m/s (36 km/h), hit through the shear centre" in text
+    assert "warning of four-dof there (eccentricity)" in text
+    limit = find_limit(make_model("four-dof"), HIT.at_velocity, (9.0, 10.0), 0.5)
+    assert "as if hit through the shear centre" in " ".join(map(str, limit.warnings))
 
 
 def test_the_error_of_an_answer_holds_what_it_leaves_out() -> None:

@@ -331,6 +331,7 @@ _ENDINGS = {
     None: Cell("not known", tone="doubt"),
 }
 _SHOWN = 40  # rows on a terminal
+_FACTORS = "edge_factor", "edge_factor_low", "edge_factor_high"  # of hits beside the shear centre
 _KEY = re.compile(r"[a-z_0-9]+(\.[a-z_0-9]+)+")  # of a scenario
 _MOST_VALUES = 100_000
 
@@ -446,7 +447,8 @@ def _answers(name: str, keys: list[str], table: pd.DataFrame) -> Iterator[Block]
 
     outcomes = ", ".join(f"{n} {each}" for each, n in table["outcome"].value_counts().items())
     yield paragraph(f"{name}: {len(table)} answers, {outcomes}.")
-    answered = (q for q in ("peak_displacement", "residual_displacement") if q in table)
+    shown = "peak_displacement", "residual_displacement", *_FACTORS
+    answered = (q for q in shown if q in table)
     named = {name: name for name in ("model", *keys)}
     columns = {**named, **quantities(*answered), "outcome": "outcome"}
     yield Table.of("sweep", "", columns, table[:_SHOWN])
@@ -538,6 +540,8 @@ def _in_si(over: str, value: Any, unit: str) -> float:
 
 def _meaning(limit: CriticalValue, ends: tuple[float, ...], unit: str) -> str:
     """Meaning of the bracket, in one sentence."""
+    from workbench.models.domain import ECCENTRIC
+
     low, high = limit.survives_at, limit.collapses_at
     if high is None:
         text = f"no collapse up to {_text(ends[1], unit)}" if limit.settled else "no collapse found"
@@ -545,6 +549,8 @@ def _meaning(limit: CriticalValue, ends: tuple[float, ...], unit: str) -> str:
         text = f"collapses already at {_text(high, unit)}" if limit.settled else "no survival found"
     else:
         text = "turns from survival to collapse between the two"
+    if any(each.subject == ECCENTRIC for each in limit.warnings):
+        text += ", hit through the shear centre instead of beside it"
     if limit.undecided:
         unknown = ", ".join(f"{trial.value:.6g}" for trial in limit.undecided)
         text += f"; not known at {unknown}{unit and f' {unit}'}: {limit.undecided[0].message}"

@@ -23,7 +23,9 @@ from workbench.base.fields import Declared, check_keys, did_you_mean
 from workbench.base.offered import offered
 from workbench.mechanics.frames.elastic import linear_algebra
 from workbench.models.domain import (
+    ECCENTRIC,
     eccentric_finding,
+    edge_factors,
     implausible,
     oblique_findings,
     unused_inputs,
@@ -108,6 +110,9 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
                 response = solve(solved)
                 if striker is not None and striker.crushes:
                     response = crushed(response, striker)
+                if any(each.subject == ECCENTRIC for each in warnings):
+                    for name, value in edge_factors(scenario).items():
+                        response[name] = ((), value, VARIABLES[name].attributes)
                 check_response(response)
             except CollapseError as error:
                 response = collapsed_response(error)

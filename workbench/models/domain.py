@@ -123,7 +123,7 @@ def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Fin
     return [*light, hit]
 
 
-DIRECT_SHEAR, IMPLAUSIBLE = "direct-shear", "plausibility"  # subjects
+DIRECT_SHEAR, IMPLAUSIBLE, ECCENTRIC = "direct-shear", "plausibility", "eccentricity"  # subjects
 LEAST_LOAD = 1e-3  # of the squash load, below which loads look like kN
 _LEAST_PULSE = 5e-3  # of the plastic shear resistance
 _LEAST_MASS = 0.01  # of the steel, below which masses look like t
@@ -471,8 +471,8 @@ def eccentric_finding(name: str, scenario: Any, beside: float) -> Finding:
 
     The factors with which it answers where such hits were drawn, else its refusal.
     """
-    if not is_drawn(scenario):
-        return finding("eccentricity", beside, name=name)
+    if why := undrawn(scenario):
+        return finding("eccentricity", beside, name=name, why=why)
     values = _factor_values(scenario, EDGE) | _factor_values(scenario, FACE)
     return finding("eccentric-factor", beside, name=name, **values)
 
@@ -490,22 +490,25 @@ def oblique_findings(scenario: Any) -> list[Finding]:
     if beside > 0.5 * shape.width:  # the edges of both flanges are struck
         return []
     along = scenario.changed(striker=striker.changed(angle=0.0, eccentricity=beside))
-    if not is_drawn(along):
+    if undrawn(along):
         return []
     return [finding("oblique-flange", beside, **_factor_values(along, FACE))]
 
 
-def is_drawn(scenario: Any) -> bool:
-    """Whether such hits were drawn: along the web of an I section, on its flange, rigid."""
-    if not isinstance(scenario, ColumnImpact):
-        return False
-    shape, striker = scenario.column.section.shape, scenario.striker
-    if not isinstance(shape, ISection) or striker.crushes or np.any(striker.angle):
-        return False
+def undrawn(scenario: Any) -> str:
+    """Why no shells were drawn of such a hit; empty where they were, in the range of all."""
+    struck, striker = isinstance(scenario, ColumnImpact), scenario.striker
+    along = struck and isinstance(scenario.column.section.shape, ISection) and not striker.crushes
+    if not along or np.any(striker.angle):
+        return "shells were drawn of I sections that a rigid striker hits along the web"
     values, known = features_beside(scenario), factor_line(EDGE)
-    if np.ndim(sum(values.values())):  # a stack: its rows are asked one by one
-        return False
-    return all(known.least[each] <= values[each] <= known.most[each] for each in values)
+    if np.ndim(sum(values.values())):
+        return "rows of a stack are asked one by one"
+    for name, words in {**FEATURES_BESIDE, PRESSED: "axial load over squash load"}.items():
+        least, most = known.least[name], known.most[name]
+        if not least <= values[name] <= most:
+            return f"{words} is {values[name]:.3g}, in drawn shells {least:.3g} to {most:.3g}"
+    return ""
 
 
 def log_factors(scenario: ColumnImpact, target: str) -> Array:
@@ -523,6 +526,12 @@ def factor(scenario: ColumnImpact, target: str) -> tuple[float, float, float]:
     ends = np.quantile(log_factors(scenario, target), LEVELS, method="weibull")
     low, middle, high = map(float, np.exp(ends))
     return low, middle, high
+
+
+def edge_factors(scenario: ColumnImpact) -> dict[str, float]:
+    """The factor of the struck edge with the ends of its interval, by their names in responses."""
+    names = "edge_factor_low", "edge_factor", "edge_factor_high"
+    return dict(zip(names, factor(scenario, EDGE), strict=True))
 
 
 def _factor_values(scenario: ColumnImpact, target: str) -> dict[str, Any]:
