@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from math import radians, tan
 from pathlib import Path
@@ -26,6 +27,7 @@ from workbench.models.domain import (
     factor_line,
     features_beside,
     log_factors,
+    oblique_findings,
     undrawn,
 )
 from workbench.models.frame_model import as_frame
@@ -228,7 +230,7 @@ def test_the_error_of_an_answer_holds_what_it_leaves_out() -> None:
 
 
 def test_an_oblique_hit_folds_the_flange_that_its_line_meets() -> None:
-    """As one along the web so far beside it; from the corner on edges of both flanges are hit."""
+    """As one along the web so far beside it; from the corner on the other flange takes a part."""
 
     def oblique(degrees: float) -> list[str]:
         striker = HIT.striker.changed(angle=radians(degrees), eccentricity=0.0)
@@ -241,4 +243,31 @@ def test_an_oblique_hit_folds_the_flange_that_its_line_meets() -> None:
     (text,) = oblique(30.0)
     assert f"{beside:.3g} m beside the web" in text
     assert f"goes {middle:.2f} times ({low:.2f} to {high:.2f})" in text
-    assert oblique(0.0) == oblique(60.0) == []
+    assert oblique(0.0) == oblique(85.0) == []
+    edge = replace(HIT, striker=HIT.striker.changed(eccentricity=0.11))
+    share = 0.11 / (0.5 * (0.22 - 0.016) * tan(radians(60.0)))
+    middle = factor(edge, FACE)[1] ** share
+    (text,) = oblique(60.0)
+    assert f"its edge takes {50.0 * (1.0 + share):.0f} % of the force" in text
+    assert f"goes {middle:.2f} times" in text
+
+
+@pytest.mark.parametrize(
+    ("section", "degrees", "over_the_axis_of_hinges"),
+    [
+        *(("IPE 300", 30.0, 1.54), ("IPE 300", 65.0, 1.04), ("HEB 220", 65.0, 1.32)),
+        *(("UB 457x191x82", 45.0, 1.23), ("HEA 300", 65.0, 1.92)),
+    ],
+)
+def test_shells_struck_on_both_edges_lie_in_the_interval(
+    section: str, degrees: float, over_the_axis_of_hinges: float
+) -> None:
+    """Strikers of coarser shells over `seven-dof`, columns of the study `struck_shells`."""
+    column = Column(find(section), 1.4, 2.6, restraint_stiffness=5e6)
+    properties = column.properties
+    column = column.changed(axial_load=0.1 * properties.squash_load)
+    resistance = 2.0 * properties.plastic_moment * (1.0 / 1.4 + 1.0 / 2.6)
+    striker = Striker(2.0 * resistance * 0.056 / 100.0, 10.0, angle=radians(degrees))
+    (said,) = oblique_findings(ColumnImpact("hit", column, striker, 0.1))
+    low, high = map(float, re.findall(r"\(([\d.]+) to ([\d.]+)\)", said.text)[0])
+    assert low < over_the_axis_of_hinges < high

@@ -480,19 +480,26 @@ def eccentric_finding(name: str, scenario: Any, beside: float) -> Finding:
 def oblique_findings(scenario: Any) -> list[Finding]:
     """Note of an oblique hit of an I section whose line meets the flange beside the web.
 
-    How far the striker goes as it folds that flange, as drawn along the web.
+    How far the striker goes as it folds that flange, as drawn along the web. A line that passes
+    beside the flange meets the edges of both: the nearer one is struck as on its edge, the less the
+    more the other takes of the force.
     """
     column, striker = getattr(scenario, "column", None), scenario.striker
     shape = None if column is None else column.section.shape
     if not isinstance(shape, ISection) or striker.eccentricity or not striker.angle:
         return []
     beside = 0.5 * (shape.height - shape.flange) * tan(striker.angle)
-    if beside > 0.5 * shape.width:  # the edges of both flanges are struck
-        return []
-    along = scenario.changed(striker=striker.changed(angle=0.0, eccentricity=beside))
+    half = 0.5 * shape.width
+    along = striker.changed(angle=0.0, eccentricity=min(beside, half))
+    along, more = scenario.changed(striker=along), min(1.0, half / beside)
     if undrawn(along):
         return []
-    return [finding("oblique-flange", beside, **_factor_values(along, FACE))]
+    values = _factor_values(along, FACE, more)
+    if more == 1.0:
+        return [finding("oblique-flange", beside, **values)]
+    if values["face"] <= FOLDS_MUCH:
+        return []
+    return [finding("oblique-edge", beside - half, nearer=50.0 * (1.0 + more), **values)]
 
 
 def undrawn(scenario: Any) -> str:
@@ -521,9 +528,14 @@ def log_factors(scenario: ColumnImpact, target: str) -> Array:
     return np.asarray(known.coefficients @ given + known.rests)
 
 
-def factor(scenario: ColumnImpact, target: str) -> tuple[float, float, float]:
-    """Lower end, middle and upper end of 90 % of the factor of a `target`."""
-    ends = np.quantile(log_factors(scenario, target), LEVELS, method="weibull")
+def factor(scenario: ColumnImpact, target: str, more: float = 1.0) -> tuple[float, float, float]:
+    """Lower end, middle and upper end of 90 % of the factor of a `target`.
+
+    One flange takes `more` of the force than the other, as a share of all: ln of the middle counts
+    so often, its scatter whole.
+    """
+    logs = log_factors(scenario, target)
+    ends = np.quantile(logs - (1.0 - more) * np.median(logs), LEVELS, method="weibull")
     low, middle, high = map(float, np.exp(ends))
     return low, middle, high
 
@@ -534,8 +546,8 @@ def edge_factors(scenario: ColumnImpact) -> dict[str, float]:
     return dict(zip(names, factor(scenario, EDGE), strict=True))
 
 
-def _factor_values(scenario: ColumnImpact, target: str) -> dict[str, Any]:
-    """The factor of a `target` with the ends of its interval, by their names in sentences."""
+def _factor_values(scenario: ColumnImpact, target: str, more: float = 1.0) -> dict[str, Any]:
+    """The `factor` of a `target` with the ends of its interval, by their names in sentences."""
     name = "edge" if target == EDGE else "face"
     ends = f"{name}_low", name, f"{name}_high"
-    return dict(zip(ends, factor(scenario, target), strict=True))
+    return dict(zip(ends, factor(scenario, target, more), strict=True))
