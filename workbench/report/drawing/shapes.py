@@ -229,13 +229,16 @@ def shapes_of(scenario: Scenario, response: Response) -> Shapes | None:
         even = np.linspace(0, len(when) - 1, min(_CHORDS, len(when))).round().astype(int)
         few = np.unique([*even, int(np.argmax(np.abs(moved)))])
         down = response["shortening"].values.astype(float)[few]
-        curves = _chords(scenario.column, moved[few], down)
-        places = np.stack([curves.real, curves.imag, np.zeros(curves.shape)])
+        across = response["sideways"].values[few] if "sideways" in response else 0.0 * down
+        places = _chords(scenario.column, np.stack([moved[few], across]), down)
         return Shapes(on_frame, history, when[few], places, moved[few], chords=True)
     return None
 
 
-def _chords(column: Column, sideways: Array, down: Array) -> Points:
-    # the impact point moves on a circle around the base: the lower segment keeps its length
-    hit = sideways + 1j * np.sqrt(np.maximum(column.length_below**2 - sideways**2, 0.0))
-    return np.array([[np.zeros_like(hit), hit], [hit, 1j * (column.length - down)]])
+def _chords(column: Column, moved: Array, down: Array) -> Array:
+    # the impact point moves on a sphere around the base: the lower segment keeps its length
+    high = np.sqrt(np.maximum(column.length_below**2 - (moved**2).sum(axis=0), 0.0))
+    rest = np.zeros_like(down)
+    base, hit = np.stack([rest, rest, rest]), np.stack([moved[0], high, moved[1]])
+    head = np.stack([rest, column.length - down, rest])
+    return np.stack([base, hit, hit, head], axis=1).reshape(3, 2, 2, -1)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from workbench.base.arrays import Array
+from workbench.base.arrays import Array, Indices
 from workbench.report.chapters.answer import GOOD
 from workbench.report.chapters.choice import FAIR
 from workbench.report.drawing.shapes import YIELDS, Points, Shapes, shapes_of
@@ -123,8 +123,8 @@ class CurveRecord:
     energies: tuple[Array, dict[str, Array], Array] | None
     shapes: Shapes | None
 
-    def kept(self, points: int) -> dict[str, Any]:
-        """The curves as the page holds them."""
+    def kept(self, points: int, aside: bool = False) -> dict[str, Any]:
+        """The curves as the page holds them; with `aside`, shapes as seen along the hit, too."""
         time, moved = thinned(self.time, self.moved, points)
         curves: dict[str, Any] = {"t": packed(time), "d": packed(moved)}
         if self.band is not None:
@@ -135,7 +135,7 @@ class CurveRecord:
             kinds = {name: packed(part[few]) for name, part in parts.items()}
             curves["energy"] = {"t": packed(at[few]), "parts": kinds, "in": packed(brought[few])}
         if self.shapes is not None:
-            curves["shape"] = _shape(self.shapes, coarse(points))
+            curves["shape"] = _shape(self.shapes, coarse(points), aside)
         return curves
 
 
@@ -179,15 +179,17 @@ def is_upright(rest: Points) -> bool:
     return bool(np.ptp(rest.real) == 0.0)
 
 
-def _shape(shapes: Shapes, snapshots: int) -> dict[str, Any]:
+def _shape(shapes: Shapes, snapshots: int, aside: bool) -> dict[str, Any]:
     """Displacements of the members at some snapshots, the peak among them.
 
-    Numbers of a snapshot: x and y of each point, member after member.
+    Numbers of a snapshot: x and y of each point, member after member. With `aside` those as seen
+    along the hit stand behind; what stays in its plane does not move there.
     """
     few = np.unique([*evenly(len(shapes.at), snapshots), shapes.peak])
-    moved = (shapes.curves - shapes.rest[..., None])[..., few]
-    if is_upright(shapes.rest):
-        moved = moved.imag + 1j * moved.real
+    moved = _moved(shapes, few)
+    if aside:
+        across = np.zeros_like(moved) if shapes.aside is None else _moved(shapes.aside, few)
+        moved = np.concatenate([moved, across])
     tracks = [_track(moved[i], _BOW * shapes.size) for i in range(len(moved))]
     pairs = np.concatenate([np.stack([z.real, z.imag], axis=-1) for z in tracks], axis=1)
     shape: dict[str, Any] = {
@@ -200,6 +202,12 @@ def _shape(shapes: Shapes, snapshots: int) -> dict[str, Any]:
         yields = shapes.used[:, few].T >= YIELDS
         shape["yields"] = [np.flatnonzero(row).tolist() for row in yields]
     return shape
+
+
+def _moved(shapes: Shapes, few: Indices) -> Points:
+    """Displacements (members, points, snapshots) on paper, where a lone column lies."""
+    moved: Points = (shapes.curves - shapes.rest[..., None])[..., few]
+    return moved.imag + 1j * moved.real if is_upright(shapes.rest) else moved
 
 
 def _track(moved: Points, bow: float) -> Points:
