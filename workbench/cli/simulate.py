@@ -331,7 +331,6 @@ _ENDINGS = {
     None: Cell("not known", tone="doubt"),
 }
 _SHOWN = 40  # rows on a terminal
-_FACTORS = "edge_factor", "edge_factor_low", "edge_factor_high"  # of hits beside the shear centre
 _KEY = re.compile(r"[a-z_0-9]+(\.[a-z_0-9]+)+")  # of a scenario
 _MOST_VALUES = 100_000
 
@@ -447,8 +446,8 @@ def _answers(name: str, keys: list[str], table: pd.DataFrame) -> Iterator[Block]
 
     outcomes = ", ".join(f"{n} {each}" for each, n in table["outcome"].value_counts().items())
     yield paragraph(f"{name}: {len(table)} answers, {outcomes}.")
-    shown = "peak_displacement", "residual_displacement", *_FACTORS
-    answered = (q for q in shown if q in table)
+    shown = "peak_displacement", "residual_displacement"
+    answered = (q for q in map(str, table) if q in shown or q.startswith("edge_factor"))
     named = {name: name for name in ("model", *keys)}
     columns = {**named, **quantities(*answered), "outcome": "outcome"}
     yield Table.of("sweep", "", columns, table[:_SHOWN])

@@ -24,8 +24,9 @@ from workbench.base.offered import offered
 from workbench.mechanics.frames.elastic import linear_algebra
 from workbench.models.domain import (
     ECCENTRIC,
+    EDGE,
     eccentric_finding,
-    edge_factors,
+    factor_values,
     implausible,
     oblique_findings,
     unused_inputs,
@@ -111,7 +112,7 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
                 if striker is not None and striker.crushes:
                     response = crushed(response, striker)
                 if any(each.subject == ECCENTRIC for each in warnings):
-                    for name, value in edge_factors(scenario).items():
+                    for name, value in factor_values(scenario, EDGE).items():
                         response[name] = ((), value, VARIABLES[name].attributes)
                 check_response(response)
             except CollapseError as error:

@@ -104,10 +104,7 @@ def simulate_many(
 
 
 def admitted(model: Any, scenario: Any) -> Any:
-    """The scenario that a model solves in place of an impact; None where it refuses.
-
-    None as well of a hit beside the shear centre, of which numbers alone do not tell the factor.
-    """
+    """The scenario that a model solves in place of an impact; None if it refuses or says more."""
     solved, _, left_out = with_strain_rate(model, scenario)
     findings = *striker_findings(model, scenario), *model.domain(scenario), *left_out
     whole = any(each.refusal or each.subject == ECCENTRIC for each in findings)

@@ -473,7 +473,7 @@ def eccentric_finding(name: str, scenario: Any, beside: float) -> Finding:
     """
     if why := undrawn(scenario):
         return finding("eccentricity", beside, name=name, why=why)
-    values = _factor_values(scenario, EDGE) | _factor_values(scenario, FACE)
+    values = factor_values(scenario, EDGE) | factor_values(scenario, FACE)
     return finding("eccentric-factor", beside, name=name, **values)
 
 
@@ -481,8 +481,7 @@ def oblique_findings(scenario: Any) -> list[Finding]:
     """Note of an oblique hit of an I section whose line meets the flange beside the web.
 
     How far the striker goes as it folds that flange, as drawn along the web. A line that passes
-    beside the flange meets the edges of both: the nearer one is struck as on its edge, the less the
-    more the other takes of the force.
+    beside the flange meets the edges of both, of which the nearer one folds.
     """
     column, striker = getattr(scenario, "column", None), scenario.striker
     shape = None if column is None else column.section.shape
@@ -494,10 +493,10 @@ def oblique_findings(scenario: Any) -> list[Finding]:
     along, more = scenario.changed(striker=along), min(1.0, half / beside)
     if undrawn(along):
         return []
-    values = _factor_values(along, FACE, more)
+    values = factor_values(along, FACE, more)
     if more == 1.0:
         return [finding("oblique-flange", beside, **values)]
-    if values["face"] <= FOLDS_MUCH:
+    if values["face_factor"] <= FOLDS_MUCH:
         return []
     return [finding("oblique-edge", beside - half, nearer=50.0 * (1.0 + more), **values)]
 
@@ -540,14 +539,8 @@ def factor(scenario: ColumnImpact, target: str, more: float = 1.0) -> tuple[floa
     return low, middle, high
 
 
-def edge_factors(scenario: ColumnImpact) -> dict[str, float]:
-    """The factor of the struck edge with the ends of its interval, by their names in responses."""
-    names = "edge_factor_low", "edge_factor", "edge_factor_high"
-    return dict(zip(names, factor(scenario, EDGE), strict=True))
-
-
-def _factor_values(scenario: ColumnImpact, target: str, more: float = 1.0) -> dict[str, Any]:
-    """The `factor` of a `target` with the ends of its interval, by their names in sentences."""
-    name = "edge" if target == EDGE else "face"
+def factor_values(scenario: ColumnImpact, target: str, more: float = 1.0) -> dict[str, Any]:
+    """The `factor` of a `target` with its ends, by their names in sentences and responses."""
+    name = "edge_factor" if target == EDGE else "face_factor"
     ends = f"{name}_low", name, f"{name}_high"
     return dict(zip(ends, factor(scenario, target, more), strict=True))

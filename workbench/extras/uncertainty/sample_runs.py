@@ -75,8 +75,8 @@ class Setup:
         """Refuse hits beside the shear centre that no model of these knows."""
         judge = self.reduced if self.reference is None else self.reference
         beside = getattr(getattr(self.uncertain.base, "striker", None), "eccentricity", 0.0)
-        known = getattr(judge, "eccentric", False)
-        if not known and (beside or ECCENTRICITY in self.uncertain.inputs):
+        asked = beside or ECCENTRICITY in self.uncertain.inputs
+        if asked and not getattr(judge, "eccentric", False):
             text = f"is left out by {judge.name}, which would answer the hit through the middle"
             advice = "take shell for the reference (half a minute a run), or leave it out"
             raise InputError(".".join(ECCENTRICITY), beside, text, advice)

@@ -77,10 +77,15 @@ class Shapes:
         return np.asarray(on_paper(x, y, z if self.frame.spatial else 0.0))
 
     @property
+    def along(self) -> Shapes:
+        """The shapes as seen along the hit."""
+        return replace(self, places=self.places[[2, 1, 0]])
+
+    @property
     def aside(self) -> Shapes | None:
         """The shapes of a column as seen along the hit; None of one that stays in its plane."""
         moves = not self.frame.spatial and np.ptp(self.places[2]) > _BESIDE * np.ptp(self.places[0])
-        return replace(self, places=self.places[[2, 1, 0]]) if moves else None
+        return self.along if moves else None
 
     @property
     def peak(self) -> int:
@@ -230,15 +235,14 @@ def shapes_of(scenario: Scenario, response: Response) -> Shapes | None:
         few = np.unique([*even, int(np.argmax(np.abs(moved)))])
         down = response["shortening"].values.astype(float)[few]
         across = response["sideways"].values[few] if "sideways" in response else 0.0 * down
-        places = _chords(scenario.column, np.stack([moved[few], across]), down)
+        curves, still = _chords(scenario.column, moved[few], across, down), np.zeros_like(down)
+        places = np.stack([curves.real, curves.imag, [[still, across], [across, still]]])
         return Shapes(on_frame, history, when[few], places, moved[few], chords=True)
     return None
 
 
-def _chords(column: Column, moved: Array, down: Array) -> Array:
+def _chords(column: Column, moved: Array, across: Array, down: Array) -> Points:
     # the impact point moves on a sphere around the base: the lower segment keeps its length
-    high = np.sqrt(np.maximum(column.length_below**2 - (moved**2).sum(axis=0), 0.0))
-    rest = np.zeros_like(down)
-    base, hit = np.stack([rest, rest, rest]), np.stack([moved[0], high, moved[1]])
-    head = np.stack([rest, column.length - down, rest])
-    return np.stack([base, hit, hit, head], axis=1).reshape(3, 2, 2, -1)
+    high = np.sqrt(np.maximum(column.length_below**2 - moved**2 - across**2, 0.0))
+    hit = moved + 1j * high
+    return np.array([[np.zeros_like(hit), hit], [hit, 1j * (column.length - down)]])

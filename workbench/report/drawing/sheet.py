@@ -400,10 +400,8 @@ def sweep_chart(answers: xr.Dataset, name: str) -> Canvas:
     if len(lines) > _MOST_LINES or lines[key].dtype.kind not in "if":
         text = f"needs numbers first, and at most {_MOST_LINES} lines"
         raise InputError("--plot", name, text, "vary less, or write the table alone")
-    of = axis_label(PEAK)
-    if "edge_factor" in answers:
-        of = f"{of}, as if hit through the shear centre"
-    return canvas_of(_sweep, lines, str(key), others, of)
+    of = ", as if hit through the shear centre" if "edge_factor" in answers else ""
+    return canvas_of(_sweep, lines, str(key), others, f"{axis_label(PEAK)}{of}")
 
 
 def _sweep(lines: xr.DataArray, key: str, others: Sequence[str], peak: str) -> Drawing:

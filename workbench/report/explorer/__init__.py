@@ -150,15 +150,13 @@ class _CaseOfPage(NamedTuple):
             about = f"Errors against {label}{inside}."
         if why := self.reference.get("reason", ""):
             about = f"{about} Why this reference: {why}."
-        name = ", ".join(
-            filter(None, (self.case.name, direction(canonical(self.case.scenario)[0])))
-        )
+        named = self.case.name, direction(canonical(self.case.scenario)[0])
         shapes = [cell.record.shapes for cell in self.answers if cell.record and cell.record.shapes]
         aside = any(each.aside is not None for each in shapes)
         return {
             "name": self.case.name,
             "reference": label,
-            "about": f"{name}. {about}",
+            "about": f"{', '.join(filter(None, named))}. {about}",
             **_structure(self.case, shapes, aside),
             "cells": [cell.kept(points, aside) for cell in self.answers],
         }
@@ -189,10 +187,7 @@ def _cases(study: Study, stored: Assessment, plane: Plane) -> Iterator[_CaseOfPa
 
 
 def _structure(case: Case, shapes: Sequence[Shapes], aside: bool) -> dict[str, Any]:
-    """Members at rest, supports and the place of the strike, in m; a lone column lies.
-
-    With `aside` it lies a second time, lower, for its `shapes` as seen along the hit.
-    """
+    """Members at rest, supports, place of the strike in m; a lone column lies, `aside` twice."""
     scenario = frame_scenario_of(case.scenario)
     if scenario is None:
         return {}

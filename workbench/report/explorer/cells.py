@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from workbench.base.arrays import Array, Indices
+from workbench.base.arrays import Array
 from workbench.report.chapters.answer import GOOD
 from workbench.report.chapters.choice import FAIR
 from workbench.report.drawing.shapes import YIELDS, Points, Shapes, shapes_of
@@ -182,14 +182,14 @@ def is_upright(rest: Points) -> bool:
 def _shape(shapes: Shapes, snapshots: int, aside: bool) -> dict[str, Any]:
     """Displacements of the members at some snapshots, the peak among them.
 
-    Numbers of a snapshot: x and y of each point, member after member. With `aside` those as seen
-    along the hit stand behind; what stays in its plane does not move there.
+    Numbers of a snapshot: x and y of each point, member after member; with `aside` as seen along
+    the hit after that.
     """
     few = np.unique([*evenly(len(shapes.at), snapshots), shapes.peak])
-    moved = _moved(shapes, few)
-    if aside:
-        across = np.zeros_like(moved) if shapes.aside is None else _moved(shapes.aside, few)
-        moved = np.concatenate([moved, across])
+    views = (shapes, shapes.along) if aside else (shapes,)
+    moved = np.concatenate([(view.curves - view.rest[..., None])[..., few] for view in views])
+    if is_upright(shapes.rest):
+        moved = moved.imag + 1j * moved.real
     tracks = [_track(moved[i], _BOW * shapes.size) for i in range(len(moved))]
     pairs = np.concatenate([np.stack([z.real, z.imag], axis=-1) for z in tracks], axis=1)
     shape: dict[str, Any] = {
@@ -202,12 +202,6 @@ def _shape(shapes: Shapes, snapshots: int, aside: bool) -> dict[str, Any]:
         yields = shapes.used[:, few].T >= YIELDS
         shape["yields"] = [np.flatnonzero(row).tolist() for row in yields]
     return shape
-
-
-def _moved(shapes: Shapes, few: Indices) -> Points:
-    """Displacements (members, points, snapshots) on paper, where a lone column lies."""
-    moved: Points = (shapes.curves - shapes.rest[..., None])[..., few]
-    return moved.imag + 1j * moved.real if is_upright(shapes.rest) else moved
 
 
 def _track(moved: Points, bow: float) -> Points:

@@ -228,10 +228,7 @@ def valued(
 
 
 def direction(scenario: str) -> str:
-    """Direction of a hit that is not through the web of a column, or along x, in words.
-
-    Of a `scenario` as TOML; empty of every other one.
-    """
+    """Direction of a hit in a `scenario` (TOML), empty of one through the web, or along x."""
     tables = tomllib.loads(scenario)
     striker, parts = tables.get("striker", {}), []
     if tables.get("column", {}).get("axis") == "weak":
