@@ -3,7 +3,8 @@
 Names, dimensions, SI units, meanings, and what each belongs to: ``coordinate``, ``structure``, what
 only strikers that crush have, ``crushing``, columns in space, ``oblique``, hits beside the shear
 centre by a factor, ``eccentric``, or ``stud-tests`` and ``integrators``, the pure numbers by which
-models of studs and schemes of time integration are judged. Dimension ``history`` is `time` in an impact and `step` in a pushover.
+models of studs and schemes of time integration are judged. Dimension
+``history`` is `time` in an impact and `step` in a pushover.
 
 Numbers implied by histories: peak, residual, contact force, impulse, energy ledger.
 
