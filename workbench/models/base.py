@@ -111,7 +111,7 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
                 response = solve(solved)
                 if striker is not None and striker.crushes:
                     response = crushed(response, striker)
-                if any(each.subject == ECCENTRIC for each in warnings):
+                if ECCENTRIC in map(attrgetter("subject"), warnings):
                     for name, value in factor_values(scenario, EDGE).items():
                         response[name] = ((), value, VARIABLES[name].attributes)
                 check_response(response)
