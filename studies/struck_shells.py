@@ -83,6 +83,7 @@ cases = tuple(
     Case(
         impact.name,
         impact,
+        parameters={"degrees off the web": HITS[hit][0], "eccentricity over width": HITS[hit][1]},
         quick=hit == "0 degrees, centre",
     )
     for name, hit in product(SECTIONS, HITS)

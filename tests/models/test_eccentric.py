@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from math import radians, tan
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from workbench.api.sweeps import sweep
 from workbench.base.catalogue import load
+from workbench.cli import run
 from workbench.models.base import make_model
 from workbench.models.batch import simulate_many
 from workbench.models.domain import (
@@ -22,15 +26,19 @@ from workbench.models.domain import (
     factor,
     factor_line,
     features_beside,
-    is_drawn,
     log_factors,
+    oblique_findings,
+    undrawn,
 )
+from workbench.models.frame_model import as_frame
 from workbench.models.references.shell import Shell
 from workbench.responses import Outcome, findings_of, outcome_of
 from workbench.scenarios import Column, ColumnImpact, Striker
+from workbench.scenarios.files import to_toml
 from workbench.steel.materials import Steel
 from workbench.steel.sections import find
 from workbench.study.error_model.error_model import choose, expected_error
+from workbench.study.limit import find_limit
 
 PAIRS = load(PAIRS_BESIDE)
 ANSWERED = PAIRS[(PAIRS["refinement"] == MESH) & (PAIRS["eccentric_outcome"] == "ok")]
@@ -145,17 +153,67 @@ def test_what_was_not_drawn_is_refused(changes: dict[str, Any]) -> None:
     for path, value in changes.items():
         part, field = path.split(".")
         hit = replace(hit, **{part: getattr(hit, part).changed(**{field: value})})
-    assert not is_drawn(hit)
+    assert undrawn(hit)
     response = make_model("four-dof").simulate(hit)
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
-    assert "eccentricity" in [each.subject for each in findings_of(response) if each.refusal]
+    (refused,) = (each for each in findings_of(response) if each.subject == "eccentricity")
+    assert refused.refusal
+    assert undrawn(hit) in refused.text
 
 
-def test_rows_of_a_table_are_answered_too() -> None:
+def test_a_frame_that_is_hit_beside_the_shear_centre_is_refused() -> None:
+    frame = as_frame(replace(HIT, striker=HIT.striker.changed(eccentricity=0.0)))
+    frame = replace(frame, striker=frame.striker.changed(eccentricity=0.07))
+    response = make_model("flexible-superelement").simulate(frame)
+    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
+    assert "shells were drawn of I sections" in response.attrs["message"]
+
+
+@pytest.mark.parametrize("name", ["four-dof", "seven-dof", "flexible-superelement"])
+def test_rows_of_a_table_carry_the_factor(name: str) -> None:
     hits = [replace(HIT, striker=HIT.striker.changed(eccentricity=e)) for e in (0.0, 0.05, 0.2)]
-    table = simulate_many(make_model("four-dof"), hits)
+    table = simulate_many(make_model(name), hits)
     assert list(table["outcome"]) == ["ok", "ok", "out-of-domain"]
-    assert table["peak_displacement"][0] == table["peak_displacement"][1]
+    centred, beside = table["peak_displacement"][:2]
+    assert beside == pytest.approx(centred, rel=1e-6)
+    known = table.loc[1, ["edge_factor_low", "edge_factor", "edge_factor_high"]]
+    assert tuple(known) == factor(hits[1], EDGE)
+    assert table["edge_factor"].isna().tolist() == [True, False, True]
+    assert "edge_factor" not in simulate_many(make_model(name), hits[:1])
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> str:
+    path = tmp_path / "hit.toml"
+    path.write_text(to_toml(HIT))
+    return str(path)
+
+
+def test_a_sweep_names_the_factor_and_its_picture_the_hit(
+    file: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    over = {"striker.eccentricity": [0.0, 0.07]}
+    swept = sweep(HIT, over, ["four-dof"])["edge_factor"]
+    assert "of the struck edge" in swept.attrs["long_name"]
+    middle = factor(HIT, EDGE)[1]
+    assert swept.to_numpy().ravel() == pytest.approx([np.nan, middle], nan_ok=True)
+    picture = tmp_path / "peaks.svg"
+    asked = ["--over", "striker.eccentricity=0,0.07", "--model", "four-dof", "--plot", str(picture)]
+    assert run(["sweep", file, *asked]) == 0
+    assert f"{middle:.2f}" in capsys.readouterr().out
+    assert "as if hit through the shear centre" in picture.read_text()
+
+
+def test_a_limit_says_that_it_is_of_the_hit_through_the_shear_centre(
+    file: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    narrow = ["--from", "9", "--to", "10", "--tolerance", "0.5", "--model", "four-dof"]
+    assert run(["limit", file, *narrow]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "no collapse up to 10 m/s (36 km/h), hit through the shear centre" in text
+    assert "warning of four-dof there (eccentricity)" in text
+    limit = find_limit(make_model("four-dof"), HIT.at_velocity, (9.0, 10.0), 0.5)
+    assert "as if hit through the shear centre" in " ".join(map(str, limit.warnings))
 
 
 def test_the_error_of_an_answer_holds_what_it_leaves_out() -> None:
@@ -172,7 +230,7 @@ def test_the_error_of_an_answer_holds_what_it_leaves_out() -> None:
 
 
 def test_an_oblique_hit_folds_the_flange_that_its_line_meets() -> None:
-    """As one along the web so far beside it; from the corner on edges of both flanges are hit."""
+    """As one along the web so far beside it; from the corner on the other flange takes a part."""
 
     def oblique(degrees: float) -> list[str]:
         striker = HIT.striker.changed(angle=radians(degrees), eccentricity=0.0)
@@ -185,4 +243,31 @@ def test_an_oblique_hit_folds_the_flange_that_its_line_meets() -> None:
     (text,) = oblique(30.0)
     assert f"{beside:.3g} m beside the web" in text
     assert f"goes {middle:.2f} times ({low:.2f} to {high:.2f})" in text
-    assert oblique(0.0) == oblique(60.0) == []
+    assert oblique(0.0) == oblique(85.0) == []
+    edge = replace(HIT, striker=HIT.striker.changed(eccentricity=0.11))
+    share = 0.11 / (0.5 * (0.22 - 0.016) * tan(radians(60.0)))
+    middle = factor(edge, FACE)[1] ** share
+    (text,) = oblique(60.0)
+    assert f"its edge takes {50.0 * (1.0 + share):.0f} % of the force" in text
+    assert f"goes {middle:.2f} times" in text
+
+
+@pytest.mark.parametrize(
+    ("section", "degrees", "over_the_axis_of_hinges"),
+    [
+        *(("IPE 300", 30.0, 1.54), ("IPE 300", 65.0, 1.04), ("HEB 220", 65.0, 1.32)),
+        *(("UB 457x191x82", 45.0, 1.23), ("HEA 300", 65.0, 1.92)),
+    ],
+)
+def test_shells_struck_on_both_edges_lie_in_the_interval(
+    section: str, degrees: float, over_the_axis_of_hinges: float
+) -> None:
+    """Strikers of coarser shells over `seven-dof`, columns of the study `struck_shells`."""
+    column = Column(find(section), 1.4, 2.6, restraint_stiffness=5e6)
+    properties = column.properties
+    column = column.changed(axial_load=0.1 * properties.squash_load)
+    resistance = 2.0 * properties.plastic_moment * (1.0 / 1.4 + 1.0 / 2.6)
+    striker = Striker(2.0 * resistance * 0.056 / 100.0, 10.0, angle=radians(degrees))
+    (said,) = oblique_findings(ColumnImpact("hit", column, striker, 0.1))
+    low, high = map(float, re.findall(r"\(([\d.]+) to ([\d.]+)\)", said.text)[0])
+    assert low < over_the_axis_of_hinges < high

@@ -9,7 +9,7 @@ import tomllib
 from collections.abc import Mapping
 from functools import cached_property
 from html import escape
-from math import degrees, nan
+from math import nan
 from typing import TYPE_CHECKING, Any
 
 import pandas as pd
@@ -17,7 +17,7 @@ import xarray as xr
 
 from workbench.base.errors import Collapse, InputError
 from workbench.base.fields import did_you_mean
-from workbench.report.page.formatting import in_unit, number, unit_of
+from workbench.report.page.formatting import direction, in_unit, number, unit_of
 from workbench.responses import (
     ENERGIES,
     PEAK,
@@ -71,22 +71,12 @@ def headline(response: Response) -> str:
     elif values and fate_of(response) != OPEN:
         name, value = next(iter(values.items()))
         parts.insert(0, f"{VARIABLES[name].long_name} {in_unit(value, name, 3)}")
-    parts.append(_direction(response))
+    parts.append(direction(response.attrs.get("scenario", "")))
     model, because = response.attrs["model"], response.attrs.get("because", "as asked")
     parts.append(f"by {model}, {because}")
     if any(each.subject == UNMEASURED for each in findings_of(response)):
         parts.append("outside what was measured")
     return "; ".join(filter(None, parts))
-
-
-def _direction(response: Response) -> str:
-    """Direction of a hit that is not along the web of a column, or along x, in words."""
-    tables = tomllib.loads(response.attrs.get("scenario", ""))
-    if tables.get("column", {}).get("axis") == "weak":
-        return "bent about the weak axis"
-    angle = tables.get("striker", {}).get("angle", 0.0)
-    line = "the height of the section" if "column" in tables else "x towards z"
-    return f"hit at {degrees(angle):.3g} degrees off {line}" if angle else ""
 
 
 def fate_of(response: Response) -> str:

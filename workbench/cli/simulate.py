@@ -446,7 +446,8 @@ def _answers(name: str, keys: list[str], table: pd.DataFrame) -> Iterator[Block]
 
     outcomes = ", ".join(f"{n} {each}" for each, n in table["outcome"].value_counts().items())
     yield paragraph(f"{name}: {len(table)} answers, {outcomes}.")
-    answered = (q for q in ("peak_displacement", "residual_displacement") if q in table)
+    shown = "peak_displacement", "residual_displacement"
+    answered = (q for q in map(str, table) if q in shown or q.startswith("edge_factor"))
     named = {name: name for name in ("model", *keys)}
     columns = {**named, **quantities(*answered), "outcome": "outcome"}
     yield Table.of("sweep", "", columns, table[:_SHOWN])
@@ -538,6 +539,8 @@ def _in_si(over: str, value: Any, unit: str) -> float:
 
 def _meaning(limit: CriticalValue, ends: tuple[float, ...], unit: str) -> str:
     """Meaning of the bracket, in one sentence."""
+    from workbench.models.domain import ECCENTRIC
+
     low, high = limit.survives_at, limit.collapses_at
     if high is None:
         text = f"no collapse up to {_text(ends[1], unit)}" if limit.settled else "no collapse found"
@@ -545,6 +548,8 @@ def _meaning(limit: CriticalValue, ends: tuple[float, ...], unit: str) -> str:
         text = f"collapses already at {_text(high, unit)}" if limit.settled else "no survival found"
     else:
         text = "turns from survival to collapse between the two"
+    if any(each.subject == ECCENTRIC for each in limit.warnings):
+        text += ", hit through the shear centre instead of beside it"
     if limit.undecided:
         unknown = ", ".join(f"{trial.value:.6g}" for trial in limit.undecided)
         text += f"; not known at {unknown}{unit and f' {unit}'}: {limit.undecided[0].message}"

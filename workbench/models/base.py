@@ -23,7 +23,10 @@ from workbench.base.fields import Declared, check_keys, did_you_mean
 from workbench.base.offered import offered
 from workbench.mechanics.frames.elastic import linear_algebra
 from workbench.models.domain import (
+    ECCENTRIC,
+    EDGE,
     eccentric_finding,
+    factor_values,
     implausible,
     oblique_findings,
     unused_inputs,
@@ -108,6 +111,9 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
                 response = solve(solved)
                 if striker is not None and striker.crushes:
                     response = crushed(response, striker)
+                if ECCENTRIC in map(attrgetter("subject"), warnings):
+                    for name, value in factor_values(scenario, EDGE).items():
+                        response[name] = ((), value, VARIABLES[name].attributes)
                 check_response(response)
             except CollapseError as error:
                 response = collapsed_response(error)

@@ -25,6 +25,7 @@ from workbench.base.arrays import Array, Indices
 from workbench.base.errors import CollapseError, InputError, message_of
 from workbench.mechanics.frames.elastic import linear_algebra
 from workbench.models.base import Model, on_one_mesh, striker_findings
+from workbench.models.domain import ECCENTRIC
 from workbench.models.strain_rate import with_strain_rate
 from workbench.responses import SCALARS, Outcome, failure_message, outcome_of, scalars_of
 from workbench.scenarios import Scenario
@@ -103,10 +104,11 @@ def simulate_many(
 
 
 def admitted(model: Any, scenario: Any) -> Any:
-    """The scenario that a model solves in place of an impact; None where it refuses."""
+    """The scenario that a model solves in place of an impact; None if it refuses or says more."""
     solved, _, left_out = with_strain_rate(model, scenario)
     findings = *striker_findings(model, scenario), *model.domain(scenario), *left_out
-    return None if any(each.refusal for each in findings) else solved
+    whole = any(each.refusal or each.subject == ECCENTRIC for each in findings)
+    return None if whole else solved
 
 
 @contextmanager

@@ -123,7 +123,7 @@ def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Fin
     return [*light, hit]
 
 
-DIRECT_SHEAR, IMPLAUSIBLE = "direct-shear", "plausibility"  # subjects
+DIRECT_SHEAR, IMPLAUSIBLE, ECCENTRIC = "direct-shear", "plausibility", "eccentricity"  # subjects
 LEAST_LOAD = 1e-3  # of the squash load, below which loads look like kN
 _LEAST_PULSE = 5e-3  # of the plastic shear resistance
 _LEAST_MASS = 0.01  # of the steel, below which masses look like t
@@ -471,41 +471,50 @@ def eccentric_finding(name: str, scenario: Any, beside: float) -> Finding:
 
     The factors with which it answers where such hits were drawn, else its refusal.
     """
-    if not is_drawn(scenario):
-        return finding("eccentricity", beside, name=name)
-    values = _factor_values(scenario, EDGE) | _factor_values(scenario, FACE)
+    if why := undrawn(scenario):
+        return finding("eccentricity", beside, name=name, why=why)
+    values = factor_values(scenario, EDGE) | factor_values(scenario, FACE)
     return finding("eccentric-factor", beside, name=name, **values)
 
 
 def oblique_findings(scenario: Any) -> list[Finding]:
     """Note of an oblique hit of an I section whose line meets the flange beside the web.
 
-    How far the striker goes as it folds that flange, as drawn along the web.
+    How far the striker goes as it folds that flange, as drawn along the web. A line that passes
+    beside the flange meets the edges of both, of which the nearer one folds.
     """
     column, striker = getattr(scenario, "column", None), scenario.striker
     shape = None if column is None else column.section.shape
     if not isinstance(shape, ISection) or striker.eccentricity or not striker.angle:
         return []
     beside = 0.5 * (shape.height - shape.flange) * tan(striker.angle)
-    if beside > 0.5 * shape.width:  # the edges of both flanges are struck
+    half = 0.5 * shape.width
+    along = striker.changed(angle=0.0, eccentricity=min(beside, half))
+    along, more = scenario.changed(striker=along), min(1.0, half / beside)
+    if undrawn(along):
         return []
-    along = scenario.changed(striker=striker.changed(angle=0.0, eccentricity=beside))
-    if not is_drawn(along):
+    values = factor_values(along, FACE, more)
+    if more == 1.0:
+        return [finding("oblique-flange", beside, **values)]
+    if values["face_factor"] <= FOLDS_MUCH:
         return []
-    return [finding("oblique-flange", beside, **_factor_values(along, FACE))]
+    return [finding("oblique-edge", beside - half, nearer=50.0 * (1.0 + more), **values)]
 
 
-def is_drawn(scenario: Any) -> bool:
-    """Whether such hits were drawn: along the web of an I section, on its flange, rigid."""
-    if not isinstance(scenario, ColumnImpact):
-        return False
-    shape, striker = scenario.column.section.shape, scenario.striker
-    if not isinstance(shape, ISection) or striker.crushes or np.any(striker.angle):
-        return False
+def undrawn(scenario: Any) -> str:
+    """Why no shells were drawn of such a hit; empty where they were, in the range of all."""
+    struck, striker = isinstance(scenario, ColumnImpact), scenario.striker
+    along = struck and isinstance(scenario.column.section.shape, ISection) and not striker.crushes
+    if not along or np.any(striker.angle):
+        return "shells were drawn of I sections that a rigid striker hits along the web"
     values, known = features_beside(scenario), factor_line(EDGE)
-    if np.ndim(sum(values.values())):  # a stack: its rows are asked one by one
-        return False
-    return all(known.least[each] <= values[each] <= known.most[each] for each in values)
+    if np.ndim(sum(values.values())):
+        return "rows of a stack are asked one by one"
+    for name, words in {**FEATURES_BESIDE, PRESSED: "axial load over squash load"}.items():
+        least, most = known.least[name], known.most[name]
+        if not least <= values[name] <= most:
+            return f"{words} is {values[name]:.3g}, in drawn shells {least:.3g} to {most:.3g}"
+    return ""
 
 
 def log_factors(scenario: ColumnImpact, target: str) -> Array:
@@ -518,15 +527,20 @@ def log_factors(scenario: ColumnImpact, target: str) -> Array:
     return np.asarray(known.coefficients @ given + known.rests)
 
 
-def factor(scenario: ColumnImpact, target: str) -> tuple[float, float, float]:
-    """Lower end, middle and upper end of 90 % of the factor of a `target`."""
-    ends = np.quantile(log_factors(scenario, target), LEVELS, method="weibull")
+def factor(scenario: ColumnImpact, target: str, more: float = 1.0) -> tuple[float, float, float]:
+    """Lower end, middle and upper end of 90 % of the factor of a `target`.
+
+    One flange takes `more` of the force than the other, as a share of all: ln of the middle counts
+    so often, its scatter whole.
+    """
+    logs = log_factors(scenario, target)
+    ends = np.quantile(logs - (1.0 - more) * np.median(logs), LEVELS, method="weibull")
     low, middle, high = map(float, np.exp(ends))
     return low, middle, high
 
 
-def _factor_values(scenario: ColumnImpact, target: str) -> dict[str, Any]:
-    """The factor of a `target` with the ends of its interval, by their names in sentences."""
-    name = "edge" if target == EDGE else "face"
+def factor_values(scenario: ColumnImpact, target: str, more: float = 1.0) -> dict[str, Any]:
+    """The `factor` of a `target` with its ends, by their names in sentences and responses."""
+    name = "edge_factor" if target == EDGE else "face_factor"
     ends = f"{name}_low", name, f"{name}_high"
-    return dict(zip(ends, factor(scenario, target), strict=True))
+    return dict(zip(ends, factor(scenario, target, more), strict=True))

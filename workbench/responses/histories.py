@@ -1,9 +1,10 @@
 """The standard variables of a response; ``variables.csv`` holds them all.
 
 Names, dimensions, SI units, meanings, and what each belongs to: ``coordinate``, ``structure``, what
-only strikers that crush have, ``crushing``, or columns in space, ``oblique``, or ``stud-tests`` and
-``integrators``, the pure numbers by which models of studs and schemes of time integration are
-judged. Dimension ``history`` is `time` in an impact and `step` in a pushover.
+only strikers that crush have, ``crushing``, columns in space, ``oblique``, hits beside the shear
+centre by a factor, ``eccentric``, or ``stud-tests`` and ``integrators``, the pure numbers by which
+models of studs and schemes of time integration are judged. Dimension
+``history`` is `time` in an impact and `step` in a pushover.
 
 Numbers implied by histories: peak, residual, contact force, impulse, energy ledger.
 
@@ -40,8 +41,8 @@ class Variable(NamedTuple):
 
 
 _TABLE = Path(__file__).with_name("variables.csv").read_text(encoding="utf-8")
-# answers of other tables are old; no other answer lacks what is of strikers that crush, or oblique
-_SOME = "crushing,", "oblique,"
+# answers of other tables are old; no other answer lacks what only some strikers have
+_SOME = "crushing,", "oblique,", "eccentric,"
 _OF_ALL = "".join(row for row in _TABLE.splitlines(True) if not row.startswith(_SOME))
 TABLE_DIGEST = hashlib.sha256(_OF_ALL.encode()).hexdigest()[:16]
 
@@ -55,7 +56,7 @@ def _read(*of: str) -> dict[str, Variable]:
 
 
 COORDINATES = _read("coordinate")
-VARIABLES = _read("structure", "crushing", "oblique", "stud-tests", "integrators")
+VARIABLES = _read("structure", "crushing", "oblique", "eccentric", "stud-tests", "integrators")
 STUD_TESTS, INTEGRATORS = tuple(_read("stud-tests")), tuple(_read("integrators"))
 SCALARS = tuple(name for name, variable in VARIABLES.items() if not variable.dims)
 ENERGIES = tuple(n for n, v in VARIABLES.items() if v.units == "J" and v.dims == (HISTORY,))

@@ -121,6 +121,20 @@ def content(result):
     return json.loads(json.dumps(certificate(result), allow_nan=False))
 
 
+def test_a_hit_beside_the_shear_centre_needs_a_model_that_knows_it():
+    """All others would answer the hit through it: `fragility`, `rare` and studies take a setup."""
+    pair = make_model("four-dof"), make_model("fiber-reissner")
+    shells = make_model("shell", {"levels": 1})
+    for given in ("0.07", "{ normal = { mean = 0.0, sd = 0.03 } }"):
+        uncertain = uncertain_from_text(
+            TEXT.replace("[striker]", f"[striker]\neccentricity = {given}")
+        )
+        for reference in (pair[1], None):
+            with pytest.raises(InputError, match=r"eccentricity.*take shell"):
+                Setup(uncertain, pair[0], reference, DisplacementLimit(0.1), (5.0, 20.0))
+        assert Setup(uncertain, pair[0], shells, DisplacementLimit(0.1), (5.0, 20.0)).has_meshes
+
+
 def test_certificate_holds_and_changed_references_do_not(content):
     sound = verify(content, seed=3)
     assert sound.holds

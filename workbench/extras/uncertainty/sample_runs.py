@@ -1,7 +1,7 @@
 """Runs of models by sample: tables of answers, and those that a fragility curve rests on."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from math import exp, isfinite, log
 from typing import Any, NamedTuple
 
@@ -10,6 +10,7 @@ import pandas as pd
 from scipy.stats import t as student
 
 from workbench.base.arrays import Array, Indices
+from workbench.base.errors import InputError
 from workbench.base.fields import Number
 from workbench.extras.uncertainty.critical_velocity import (
     BEYOND,
@@ -29,6 +30,7 @@ from workbench.extras.uncertainty.fragility_curve import LEVEL
 from workbench.extras.uncertainty.inputs import UncertainScenario
 from workbench.models.base import LONGER, on_one_mesh
 from workbench.models.batch import OUTCOME
+from workbench.models.references.refine import REFINEMENT
 from workbench.responses import PEAK, Outcome, outcome_of
 from workbench.responses.uncertainty import uncertainty_of
 from workbench.scenarios.column import DURATION
@@ -38,6 +40,7 @@ from workbench.study.batches import Run, answers_by, answers_of
 MESH_LEVELS = 6  # of the runs on finer meshes
 VELOCITY: Path_ = ("striker", "velocity")
 RECORD: Path_ = ("time", "duration")
+ECCENTRICITY = ("striker", "eccentricity")
 
 
 class Target(NamedTuple):
@@ -68,6 +71,16 @@ class Setup:
     jobs: int = 1
     meshes: bool = True
 
+    def __post_init__(self) -> None:
+        """Refuse hits beside the shear centre that no model of these knows."""
+        judge = self.reduced if self.reference is None else self.reference
+        beside = getattr(getattr(self.uncertain.base, "striker", None), "eccentricity", 0.0)
+        asked = beside or ECCENTRICITY in self.uncertain.inputs
+        if asked and not getattr(judge, "eccentric", False):
+            text = f"is left out by {judge.name}, which would answer the hit through the middle"
+            advice = "take shell for the reference (half a minute a run), or leave it out"
+            raise InputError(".".join(ECCENTRICITY), beside, text, advice)
+
     @property
     def has_meshes(self) -> bool:
         """Whether some of the references are run on finer meshes."""
@@ -95,7 +108,10 @@ def on_finer_mesh(
     scenario = next(setup.uncertain.scenarios(scores))
     x = log_velocity + ratio.value
     model = setup.reference
-    fine = replace(model, refinement=model.refinement + finer, levels=MESH_LEVELS)
+    refinement = model.refinement + finer
+    rules = {field.name: field.metadata.get("rule", REFINEMENT) for field in fields(model)}
+    levels = min(MESH_LEVELS, int(refinement - rules["refinement"].low) + 1)
+    fine = replace(model, refinement=refinement, levels=levels)
     if not isfinite(setup.limit.displacement) or not isfinite(ratio.slope):
         asked = Asked(on_one_mesh(fine), scenario)
         root = critical_velocity(asked.peak_at, setup.limit, x, setup.search, COARSE)

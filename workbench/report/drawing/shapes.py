@@ -77,10 +77,15 @@ class Shapes:
         return np.asarray(on_paper(x, y, z if self.frame.spatial else 0.0))
 
     @property
+    def along(self) -> Shapes:
+        """The shapes as seen along the hit."""
+        return replace(self, places=self.places[[2, 1, 0]])
+
+    @property
     def aside(self) -> Shapes | None:
         """The shapes of a column as seen along the hit; None of one that stays in its plane."""
         moves = not self.frame.spatial and np.ptp(self.places[2]) > _BESIDE * np.ptp(self.places[0])
-        return replace(self, places=self.places[[2, 1, 0]]) if moves else None
+        return self.along if moves else None
 
     @property
     def peak(self) -> int:
@@ -229,13 +234,15 @@ def shapes_of(scenario: Scenario, response: Response) -> Shapes | None:
         even = np.linspace(0, len(when) - 1, min(_CHORDS, len(when))).round().astype(int)
         few = np.unique([*even, int(np.argmax(np.abs(moved)))])
         down = response["shortening"].values.astype(float)[few]
-        curves = _chords(scenario.column, moved[few], down)
-        places = np.stack([curves.real, curves.imag, np.zeros(curves.shape)])
+        across = response["sideways"].values[few] if "sideways" in response else 0.0 * down
+        curves, still = _chords(scenario.column, moved[few], across, down), np.zeros_like(down)
+        places = np.stack([curves.real, curves.imag, [[still, across], [across, still]]])
         return Shapes(on_frame, history, when[few], places, moved[few], chords=True)
     return None
 
 
-def _chords(column: Column, sideways: Array, down: Array) -> Points:
-    # the impact point moves on a circle around the base: the lower segment keeps its length
-    hit = sideways + 1j * np.sqrt(np.maximum(column.length_below**2 - sideways**2, 0.0))
+def _chords(column: Column, moved: Array, across: Array, down: Array) -> Points:
+    # the impact point moves on a sphere around the base: the lower segment keeps its length
+    high = np.sqrt(np.maximum(column.length_below**2 - moved**2 - across**2, 0.0))
+    hit = moved + 1j * high
     return np.array([[np.zeros_like(hit), hit], [hit, 1j * (column.length - down)]])

@@ -400,10 +400,11 @@ def sweep_chart(answers: xr.Dataset, name: str) -> Canvas:
     if len(lines) > _MOST_LINES or lines[key].dtype.kind not in "if":
         text = f"needs numbers first, and at most {_MOST_LINES} lines"
         raise InputError("--plot", name, text, "vary less, or write the table alone")
-    return canvas_of(_sweep, lines, str(key), others)
+    of = ", as if hit through the shear centre" if "edge_factor" in answers else ""
+    return canvas_of(_sweep, lines, str(key), others, f"{axis_label(PEAK)}{of}")
 
 
-def _sweep(lines: xr.DataArray, key: str, others: Sequence[str]) -> Drawing:
+def _sweep(lines: xr.DataArray, key: str, others: Sequence[str], peak: str) -> Drawing:
     sheet, x = Sheet.table(1, 1, _HIGH, width=_WIDE), lines[key].to_numpy()
     for i, (names, line) in enumerate(zip(lines["line"].to_numpy(), lines, strict=True)):
         model, *values = names
@@ -413,5 +414,5 @@ def _sweep(lines: xr.DataArray, key: str, others: Sequence[str]) -> Drawing:
         sheet.record(label=label, x=x, y=line.to_numpy())
         sheet.legend(entry(label, **numbered(i).curve()))
     of = lines[key].attrs.get("units", "")
-    sheet.panel.set(xlabel=f"{key} ({of})" if of else key, ylabel=axis_label(PEAK))
+    sheet.panel.set(xlabel=f"{key} ({of})" if of else key, ylabel=peak)
     return sheet.finish(f"peaks over {key}")

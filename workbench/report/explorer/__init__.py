@@ -40,7 +40,7 @@ from workbench.report.chapters import answer, results
 from workbench.report.chapters.answer import GOOD, matrix_rows, time_against
 from workbench.report.chapters.choice import FAIR
 from workbench.report.drawing.frame import frame_scenario_of, node_on_paper, way_on_paper
-from workbench.report.drawing.shapes import REST, YIELDING, magnification, rest_lines
+from workbench.report.drawing.shapes import REST, YIELDING, Shapes, magnification, rest_lines
 from workbench.report.drawing.style import GRID, INK, INTERVAL, MUTED, looks
 from workbench.report.explorer.cells import (
     DETAILS,
@@ -55,9 +55,9 @@ from workbench.report.explorer.cells import (
 )
 from workbench.report.figures.curves import PARTS
 from workbench.report.page.documents import STYLE, templates
-from workbench.report.page.formatting import count
+from workbench.report.page.formatting import count, direction
 from workbench.report.page.reading import callouts
-from workbench.scenarios import FrameImpact
+from workbench.scenarios import FrameImpact, canonical
 from workbench.study.assessor import BEST, Assessment, CellState
 from workbench.study.chooser import ALL
 from workbench.study.definition import Case, Study
@@ -70,6 +70,7 @@ _DOTTED = "2 3"
 _MOST = 6  # models shown at first besides the references
 _WIDE = 30.0  # ratio of the ends of an axis beyond which it is logarithmic
 _SCALES = ("1", "2", "5", "10", "50")  # of displacements that may be chosen
+_LOWER = 0.35  # of its length, by which a column is drawn lower as seen along the hit
 _MOST_NAMES = 8  # cases that an axis names; more are counted
 Rows = list[dict[str, Any]]
 
@@ -123,9 +124,9 @@ class _Answer(NamedTuple):
     numbers: Mapping[str, Any]
     record: CurveRecord | None
 
-    def kept(self, points: int) -> dict[str, Any]:
-        """The answer as the page holds it."""
-        curves = {} if self.record is None else self.record.kept(points)
+    def kept(self, points: int, aside: bool) -> dict[str, Any]:
+        """The answer as the page holds it; with `aside`, shapes as seen along the hit, too."""
+        curves = {} if self.record is None else self.record.kept(points, aside)
         says = [
             f"{f.text}. Instead: {f.remedy}." if f.remedy else f"{f.text}."
             for f in self.state.findings
@@ -149,12 +150,15 @@ class _CaseOfPage(NamedTuple):
             about = f"Errors against {label}{inside}."
         if why := self.reference.get("reason", ""):
             about = f"{about} Why this reference: {why}."
+        named = self.case.name, direction(canonical(self.case.scenario)[0])
+        shapes = [cell.record.shapes for cell in self.answers if cell.record and cell.record.shapes]
+        aside = any(each.aside is not None for each in shapes)
         return {
             "name": self.case.name,
             "reference": label,
-            "about": f"{self.case.name}. {about}",
-            **_structure(self.case, self.answers),
-            "cells": [cell.kept(points) for cell in self.answers],
+            "about": f"{', '.join(filter(None, named))}. {about}",
+            **_structure(self.case, shapes, aside),
+            "cells": [cell.kept(points, aside) for cell in self.answers],
         }
 
 
@@ -182,8 +186,8 @@ def _cases(study: Study, stored: Assessment, plane: Plane) -> Iterator[_CaseOfPa
         yield _CaseOfPage(case, reference, tuple(answers))
 
 
-def _structure(case: Case, answers: Sequence[_Answer]) -> dict[str, Any]:
-    """Members at rest, supports and the place of the strike, in m; a lone column lies."""
+def _structure(case: Case, shapes: Sequence[Shapes], aside: bool) -> dict[str, Any]:
+    """Members at rest, supports, place of the strike in m; a lone column lies, `aside` twice."""
     scenario = frame_scenario_of(case.scenario)
     if scenario is None:
         return {}
@@ -199,10 +203,14 @@ def _structure(case: Case, answers: Sequence[_Answer]) -> dict[str, Any]:
         along = way_on_paper(frame, scenario.striker)
         size = max(np.ptp(lines.real), np.ptp(lines.imag))
         hit = {"hit": [*place(tip - 0.12 * size * along), *place(tip)]}
-    shapes = [cell.record.shapes for cell in answers if cell.record and cell.record.shapes]
+    rest = [[*place(start), *place(end)] for start, end in lines]
+    if aside:
+        lower = _LOWER * float(np.ptp(lines.imag))
+        rest += [[x, y - lower, end, height - lower] for x, y, end, height in rest]
     largest = max((s.largest(list(range(len(s.at)))) for s in shapes), default=0.0)
     return {
-        "rest": [[*place(start), *place(end)] for start, end in lines],
+        "rest": rest,
+        "aside": aside,
         "held": [
             [*place(node_on_paper(n)), "square" if n.support == "clamped" else "circle"]
             for n in frame.nodes

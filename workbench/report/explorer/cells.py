@@ -123,8 +123,8 @@ class CurveRecord:
     energies: tuple[Array, dict[str, Array], Array] | None
     shapes: Shapes | None
 
-    def kept(self, points: int) -> dict[str, Any]:
-        """The curves as the page holds them."""
+    def kept(self, points: int, aside: bool = False) -> dict[str, Any]:
+        """The curves as the page holds them; with `aside`, shapes as seen along the hit, too."""
         time, moved = thinned(self.time, self.moved, points)
         curves: dict[str, Any] = {"t": packed(time), "d": packed(moved)}
         if self.band is not None:
@@ -135,7 +135,7 @@ class CurveRecord:
             kinds = {name: packed(part[few]) for name, part in parts.items()}
             curves["energy"] = {"t": packed(at[few]), "parts": kinds, "in": packed(brought[few])}
         if self.shapes is not None:
-            curves["shape"] = _shape(self.shapes, coarse(points))
+            curves["shape"] = _shape(self.shapes, coarse(points), aside)
         return curves
 
 
@@ -179,13 +179,15 @@ def is_upright(rest: Points) -> bool:
     return bool(np.ptp(rest.real) == 0.0)
 
 
-def _shape(shapes: Shapes, snapshots: int) -> dict[str, Any]:
+def _shape(shapes: Shapes, snapshots: int, aside: bool) -> dict[str, Any]:
     """Displacements of the members at some snapshots, the peak among them.
 
-    Numbers of a snapshot: x and y of each point, member after member.
+    Numbers of a snapshot: x and y of each point, member after member; with `aside` as seen along
+    the hit after that.
     """
     few = np.unique([*evenly(len(shapes.at), snapshots), shapes.peak])
-    moved = (shapes.curves - shapes.rest[..., None])[..., few]
+    views = (shapes, shapes.along) if aside else (shapes,)
+    moved = np.concatenate([(view.curves - view.rest[..., None])[..., few] for view in views])
     if is_upright(shapes.rest):
         moved = moved.imag + 1j * moved.real
     tracks = [_track(moved[i], _BOW * shapes.size) for i in range(len(moved))]

@@ -82,7 +82,7 @@ const moveShape = () => {
   fill("hinges", circles, ["x", "y", "color"]);
   const without = known.filter(({ shape }) => !shape).map((one) => one.model), chords = known.filter(({ shape }) => shape?.chords).map((one) => one.model);
   at("shape-words").textContent = [
-    taken.length ? `${times === 1 ? "True to scale" : `Displacements drawn × ${times}`}${state.case.upright ? ", the column lying, its base on the left" : ""}; stored snapshots nearest to the cursor: ${[...new Set([Math.min(...taken), Math.max(...taken)])].map((v) => digits(v, "ms")).join(" to ")}.` : "None of the models shown states a deformed shape in this case.",
+    taken.length ? `${times === 1 ? "True to scale" : `Displacements drawn × ${times}`}${state.case.upright ? ", the column lying, its base on the left" : ""}${state.case.aside ? "; above seen across the hit, below along it" : ""}; stored snapshots nearest to the cursor: ${[...new Set([Math.min(...taken), Math.max(...taken)])].map((v) => digits(v, "ms")).join(" to ")}.` : "None of the models shown states a deformed shape in this case.",
     chords.length && `Straight lines: ${chords.join(", ")} (the shape between is not known).`,
     known.some((one) => one.model === state.focus && one.shape?.yields) && `Circles: where ${state.focus} yields (filled) or has yielded (open).`,
     without.length && `No shape stored: ${without.join(", ")}.`,

@@ -1,6 +1,7 @@
 """Numbers as the reader sees them: units of the trade, significant digits, typographic signs."""
 
 import math
+import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -224,6 +225,20 @@ def valued(
         return ABSENT
     shown = text(value) if callable(text) else number(factor * value, text)
     return Cell(shown, value, tone)
+
+
+def direction(scenario: str) -> str:
+    """Direction of a hit in a `scenario` (TOML), empty of one through the web, or along x."""
+    tables = tomllib.loads(scenario)
+    striker, parts = tables.get("striker", {}), []
+    if tables.get("column", {}).get("axis") == "weak":
+        parts.append("bent about the weak axis")
+    if angle := striker.get("angle", 0.0):
+        line = "the height of the section" if "column" in tables else "x towards z"
+        parts.append(f"hit at {math.degrees(angle):.3g} degrees off {line}")
+    if beside := striker.get("eccentricity", 0.0):
+        parts.append(f"hit {1e3 * abs(beside):.3g} mm beside the shear centre")
+    return ", ".join(parts)
 
 
 def quantities(*names: str) -> dict[str, Callable[[Mapping[str, Any]], Cell | None]]:

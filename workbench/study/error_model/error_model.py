@@ -26,7 +26,7 @@ from workbench.base.errors import InputError, OutOfDomainError, WorkbenchError
 from workbench.mechanics.frames.members import SPREAD
 from workbench.mechanics.frames.runs import LARGEST_SHEAR_STRAIN
 from workbench.models.base import Model, findings_before, is_oblique, make_model, options_of
-from workbench.models.domain import FACE, is_drawn, log_factors
+from workbench.models.domain import FACE, log_factors, undrawn
 from workbench.models.resistance import column_curve
 from workbench.models.seven_dof import SevenDof
 from workbench.models.strain_rate import feels_rate, steel_of, with_strain_rate
@@ -193,7 +193,7 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     ratios = widened(table.log_ratios(values), table.doubts(values))
     ratios = widened(ratios, rated.log_ratios(values)) if rated else ratios
     if _is_beside(scenario):
-        if not is_drawn(scenario):
+        if undrawn(scenario):
             reason = "errors were measured in hits through the shear centre"
             return TruthRatio(np.empty(0), reason=reason)
         ratios = widened(ratios, log_factors(scenario, FACE))
