@@ -47,6 +47,7 @@ MODELS = {
 OBLIQUE = {  # in space; how often they solve the hit
     "7-DOF": (SevenDof(), 20),
     "superelement in space": (SuperelementSpace(), 5),
+    "one bar per side, accuracy 0.1": (SuperelementSpace(elements=1, accuracy=0.1), 20),
     "fibers in space, coarse": (FiberSpace(levels=1, refinement=-1), 1),
     "fibers in space, medium": (FiberSpace(levels=1, refinement=0), 1),
 }
