@@ -4,7 +4,8 @@ Prints the median wall time of one impact of the thesis column (15 m/s, 0.1 s fo
 compilation, its ratio to the SDOF column, the least time of solving (of lumped columns from the
 kept springs or resistance to the records, of frames the steps) and of all else: findings, response,
 provenance, of frames their structure too. Then the cost of the strain rate, and the four-DOF column
-against OpenSeesPy, if that is installed (extra `cross-check`). Nothing here passes or fails.
+against OpenSeesPy, if that is installed (extra `cross-check`), at last an oblique hit with models
+in space against both. Nothing here passes or fails.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from math import inf
+from math import inf, radians
 from statistics import median
 from time import perf_counter, process_time
 
@@ -22,8 +23,11 @@ from workbench.base.datafiles import data_directory
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.references.fiber_beams import FiberCorotational
+from workbench.models.references.fiber_space import FiberSpace
+from workbench.models.seven_dof import SevenDof
 from workbench.models.single_dof import SingleDof
 from workbench.models.strain_rate import with_rate
+from workbench.models.superelement_space import SuperelementSpace
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.scenarios import ColumnImpact, load_scenario
 from workbench.steel.materials import MILD_STEEL
@@ -40,6 +44,14 @@ MODELS = {
     "fiber coarse": (FiberCorotational(levels=1, refinement=-1), 3),
     "fiber medium": (FiberCorotational(levels=1, refinement=0), 3),
 }
+OBLIQUE = {  # in space; how often they solve the hit
+    "7-DOF": (SevenDof(), 20),
+    "superelement in space": (SuperelementSpace(), 5),
+    "one bar per side, accuracy 0.1": (SuperelementSpace(elements=1, accuracy=0.1), 20),
+    "fibers in space, coarse": (FiberSpace(levels=1, refinement=-1), 1),
+    "fibers in space, medium": (FiberSpace(levels=1, refinement=0), 1),
+}
+DEGREES = 45.0  # of the oblique hit, off the web
 LADDER = (25, 50, 75, 100, 150, 200, 400, 800)  # equal steps of an impact
 
 
@@ -69,6 +81,7 @@ def main() -> None:
         )
     cost_of_rate(impact)
     against_opensees(impact)
+    oblique(impact)
 
 
 def cost_of_rate(impact: ColumnImpact) -> None:
@@ -88,6 +101,38 @@ def cost_of_rate(impact: ColumnImpact) -> None:
         base, *rest = (min(times) for times in spent)
         factor, flowing, both = (each / base for each in rest)
         print(f"{model.name:<22}factor {factor:.2f}, bars {flowing:.1f}, hardening too {both:.1f}")
+
+
+def oblique(impact: ColumnImpact) -> None:
+    """Least processor times of answers to an oblique hit, and of OpenSeesPy's fibers in space.
+
+    Ratios to the four-DOF column, hit along its web, and to OpenSeesPy, solving alone, in the equal
+    steps that keep 1 % of its own converged peak in least time.
+    """
+    turned = replace(impact, striker=replace(impact.striker, angle=radians(DEGREES)))
+    cells = {"4-DOF, along the web": (FourDof(), impact, 50)}
+    cells |= {label: (model, turned, runs) for label, (model, runs) in OBLIQUE.items()}
+    times: dict[str, float] = {}
+    peaks: dict[str, float] = {}
+    for label, (model, scenario, runs) in cells.items():
+        peaks[label] = float(model.simulate(scenario)["peak_displacement"])  # compile
+        spent = []
+        for _ in range(runs):
+            start = process_time()
+            model.simulate(scenario)
+            spent.append(process_time() - start)
+        times[label] = min(spent)
+    label, other = "OpenSeesPy in space", inf
+    try:
+        other = cheapest(f"{label}, steps", partial(opensees.column, turned, "fibers"), 2000, 3)
+    except (ImportError, RuntimeError) as failure:
+        print(f"{label}: {failure}")
+    base = times["4-DOF, along the web"]
+    for label, spent in times.items():
+        print(
+            f"{label:<32}{peaks[label]:>7.4f} m{1e3 * spent:>10.2f} ms{spent / base:>12.1f} "
+            f"times the 4-DOF column, {spent / other:.4f} of OpenSeesPy"
+        )
 
 
 def against_opensees(impact: ColumnImpact) -> None:
