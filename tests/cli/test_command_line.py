@@ -264,6 +264,7 @@ KEYS = {
     "rate_factor",
     *("largest_drift", "largest_plastic_rotation", "largest_compression", "largest_tension"),
     *("places", "hinges", "drift", "struck", "largest_sliding"),
+    *("edge_factor", "edge_factor_low", "edge_factor_high"),
 }
 
 

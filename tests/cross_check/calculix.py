@@ -25,7 +25,6 @@ import numpy as np
 
 from workbench.mechanics.structures.assembly import graded_lengths
 from workbench.models.references.shell.mesh import face_of, target_of, walls_of
-from workbench.models.references.shell.model import direction_of
 from workbench.scenarios import ColumnImpact
 from workbench.steel.materials import POISSON_RATIO
 
@@ -122,7 +121,7 @@ def deck(scenario: ColumnImpact, mesh: Bricks, step: float) -> str:
     assert (column.base, column.head, steel.rate) == ("clamped", "guided", None)
     section, angle, along = (
         column.strength_section.about("strong"),
-        direction_of(scenario),
+        scenario.angle_from_height,
         mesh.along,
     )
     head, face, hitting = (len(mesh.place) + number for number in (1, 2, 3))
@@ -200,7 +199,7 @@ def run(text: str, program: str, folder: Path) -> str:
 
 def histories(scenario: ColumnImpact, mesh: Bricks, printed: str) -> np.ndarray:
     """Time from the hit on in s, displacement of face and axis along it in m: (3, steps)."""
-    angle, rows = direction_of(scenario), []
+    angle, rows = scenario.angle_from_height, []
     weights = mesh.weights(scenario.column.length_below)
     heading = r"displacements .* time +(\S+)\n\n((?: +\d+(?: +\S+){3}\n)+)"
     for time, table in re.findall(heading, printed):

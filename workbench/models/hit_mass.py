@@ -101,11 +101,13 @@ def supported_mass(scenario: ColumnImpact) -> float:
     along = (c / each.properties.plastic_moment for c, each in planes)
     forces = np.stack(np.broadcast_arrays(0.0 * axial, *along), axis=-1)
     moment: Any = np.ones(forces.shape[:-1])
+    found = np.zeros(moment.shape, bool)
     for _ in range(_TURNS):  # a contraction: the axial force takes its share of the gauge
-        share = surface.gauge(forces)
+        share = np.where(found, 1.0, surface.gauge(forces))
         moment, forces[..., 1:] = moment / share, forces[..., 1:] / share[..., None]
         forces[..., 0] = axial
-        if np.all(np.abs(share - 1.0) < _NEAR):
+        found |= np.abs(share - 1.0) < _NEAR
+        if found.all():
             break
     stiffness, resistance, late = np.zeros((3, *moment.shape))
     for bar, (length, _) in column.bars.items():
