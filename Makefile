@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 JOBS ?= $(shell $(PYTHON) -c "import os; print(os.cpu_count() or 1)")
 
-.PHONY: report quick test lint docs summary sweep frames benchmarks lock clean
+.PHONY: report quick test thorough lint docs summary sweep frames benchmarks lock clean
 
 report: .venv/ready
 	$(BIN)/workbench run thesis_column --jobs $(JOBS)
@@ -13,8 +13,12 @@ quick: .venv/ready
 	$(BIN)/workbench run thesis_column --quick --jobs $(JOBS)
 	$(BIN)/workbench report thesis_column --quick
 
+# What takes seconds is marked `thorough` and has a target of its own; CI runs both.
 test: .venv/ready
-	$(BIN)/python -m pytest -q -n $(JOBS)
+	$(BIN)/python -m pytest -q -n $(JOBS) -m "not thorough"
+
+thorough: .venv/ready
+	$(BIN)/python -m pytest -q -n $(JOBS) -m thorough
 
 lint: .venv/ready
 	$(BIN)/ruff check .

@@ -68,6 +68,7 @@ def volume(folder: Path, cache: Path) -> tuple[float, int]:
     return float(number), int(compiled)
 
 
+@pytest.mark.thorough
 def test_an_edit_two_files_away_is_compiled_anew_and_old_code_goes(tmp_path: Path) -> None:
     package, cache = package_with(tmp_path / "tree", 1.0), tmp_path / "cache"
     assert volume(package, cache) == (8.0, 1)
@@ -84,6 +85,7 @@ def test_an_edit_two_files_away_is_compiled_anew_and_old_code_goes(tmp_path: Pat
     assert folder.name in left
 
 
+@pytest.mark.thorough
 def test_a_type_that_moves_to_another_file_is_compiled_for_anew(tmp_path: Path) -> None:
     package, cache = package_with(tmp_path / "tree", 1.0), tmp_path / "cache"
     kernel = "from workbench.base.compiled import njit\n\n\n@njit(cache=True)\ndef side(cube):\n"
@@ -103,6 +105,7 @@ def test_a_type_that_moves_to_another_file_is_compiled_for_anew(tmp_path: Path) 
         (package / "workbench" / f"{name}.py").unlink()
 
 
+@pytest.mark.thorough
 def test_first_runs_at_once_do_not_disturb_each_other(tmp_path: Path) -> None:
     package, cache = package_with(tmp_path / "tree", 1.0), tmp_path / "cache"
     code = "from workbench.cube_volume import volume; print(volume(2.0))"

@@ -11,6 +11,8 @@ import sys
 import tomllib
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[1]
 FIGURE = '''
 """Bars of one quantity."""
@@ -254,6 +256,7 @@ def add_scalar(root: Path) -> None:
     )
 
 
+@pytest.mark.thorough
 def test_what_additions_cost(tmp_path: Path) -> None:
     for part in ("workbench", "data", "docs"):
         # compiled kernels are copied too, but nothing that another process writes just now

@@ -57,6 +57,7 @@ def model_of(name: str) -> Model:
     return make_model(name, options)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_load_steps")
 @pytest.mark.parametrize("name", model_names())
 def test_every_model_keeps_the_contract(name: str, thesis_impact) -> None:

@@ -72,6 +72,7 @@ IDLE = (
 )
 
 
+@pytest.mark.thorough
 def test_an_answer_on_the_command_line_loads_what_it_needs() -> None:
     code = f"""if True:
         import sys
@@ -97,6 +98,7 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> Any:
     return read_assessment(directory, study)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_figure_touches_few_functions(stored: Any, kind: str) -> None:
     from workbench.report.drawing.sheet import Request

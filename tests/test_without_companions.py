@@ -54,6 +54,7 @@ assert run(["fragility", "scenario.toml"]) == 2
 """
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("code", [ALL_MODULES, ANSWERS, VERBS], ids=["modules", "answers", "verbs"])
 def test_the_core_works_without_companions(code: str, tmp_path: Path) -> None:
     done = subprocess.run(

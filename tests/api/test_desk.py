@@ -58,6 +58,7 @@ def test_examples_of_the_accessor_run() -> None:  # those of public names: test_
     assert done.failed == 0
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("page", PAGES)
 def test_the_python_of_the_pages_runs(
     page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

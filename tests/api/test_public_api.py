@@ -55,6 +55,7 @@ def test_sections_describe_every_argument_and_the_result(name: str) -> None:
     assert "`InputError`" not in (inspect.getdoc(value) or ""), "a section Raises says so"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", NAMES)
 def test_the_example_runs(
     name: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -54,6 +54,7 @@ def test_processes_change_nothing(impact):
     xr.testing.assert_identical(*pair)
 
 
+@pytest.mark.thorough
 def test_wrong_values_stand_in_their_cell_unless_all_are(impact):
     answers = wb.sweep(impact, {"striker.mass": [-1.0, 1500.0]}, ["single-dof"])
     assert answers.outcome.to_numpy().tolist() == [["invalid-input", "ok"]]
@@ -203,6 +204,7 @@ def test_texts_of_tables_are_no_formulas(tmp_path):
     assert {cell.data_type for cell in cells} == {"s", "n"}
 
 
+@pytest.mark.thorough
 def test_angles_are_read_in_degrees_also_at_the_default(impact):
     """Files leave an angle of zero out."""
     swept = wb.sweep(impact, {"striker.angle": ["0 deg", "30 deg"]}, ["seven-dof"])

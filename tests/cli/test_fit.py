@@ -78,6 +78,7 @@ def table(text: dict[str, Any], name: str, of: str = "") -> list[dict[str, Any]]
 # -- strength -------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_shipped_tests_without_a_file(capsys: pytest.CaptureFixture[str]) -> None:
     result = answer(capsys, "stud-strength")
     assert result["tables"] == ["shipped"]
@@ -222,6 +223,7 @@ def test_an_option_is_one_declaration(tmp_path: Path, capsys: pytest.CaptureFixt
 # -- load-slip ------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_load_slip_of_shipped_curves(capsys: pytest.CaptureFixture[str]) -> None:
     result = answer(capsys, "load-slip", "--validate", "lehigh279")
     laws = {fit["law"]: fit for fit in table(result, "fit")}
@@ -239,6 +241,7 @@ def test_load_slip_of_shipped_curves(capsys: pytest.CaptureFixture[str]) -> None
 # -- residual capacity ----------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_the_grade_stands_first_until_tests_are_given(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -374,6 +377,7 @@ for call in calls:
 """
 
 
+@pytest.mark.thorough
 def test_a_fit_of_studs_imports_no_frame_solver(tmp_path: Path) -> None:
     """The mechanical model, which is made of them, is read where it is asked to predict alone."""
     file = damaged(tmp_path / "lab.csv", "fatigue", "life fraction", "measured")

@@ -146,6 +146,7 @@ def test_missing_files_and_directories(tmp_path: Path, capsys: pytest.CaptureFix
         assert text in err
 
 
+@pytest.mark.thorough
 def test_a_gigabyte_of_nonsense_is_refused_early(tmp_path: Path) -> None:
     """A sparse file of 1 GB: refused by its size, in the time and memory of an empty one."""
     huge, empty = tmp_path / "huge.csv", tmp_path / "empty.csv"

@@ -65,6 +65,7 @@ def words_of(page: str) -> str:
     return " ".join(re.sub(r"<[^>]+>", " ", text).split())
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["strength", "curves", "residual"])
 def test_a_report_has_the_answer_first_and_all_that_it_rests_on(reports: Path, name: str) -> None:
     page = (reports / f"{name}.html").read_text()
@@ -99,6 +100,7 @@ def test_the_report_of_strength_tells_design_values_and_every_test(reports: Path
     assert named.startswith("Ollgaard 1971")
 
 
+@pytest.mark.thorough
 def test_influence_is_that_of_leaving_a_test_out(reports: Path, tmp_path: Path) -> None:
     result = pd.read_csv(reports / "strength-curves" / "influence.csv")
     given = result[(result["panel"] == "EN 1994-1-1") & (result["specimen"] == "C4")].iloc[0]
@@ -141,6 +143,7 @@ def test_interaction_and_few_tests_have_reports_too(
     assert (tmp_path / "out-curves" / "tests.csv").is_file()
 
 
+@pytest.mark.thorough
 def test_unseen_tests_are_shown_as_such(tmp_path: Path) -> None:
     file, out = tmp_path / "two.csv", tmp_path / "two.html"
     lines = STRENGTH.splitlines()
@@ -161,6 +164,7 @@ def test_the_pdf_holds_the_same(reports: Path) -> None:
     assert b"secretplace" not in content
 
 
+@pytest.mark.thorough
 def test_equal_input_gives_equal_bytes(reports: Path, tmp_path: Path) -> None:
     again = tmp_path / "residual.html"
     arguments = ["fit", "residual", str(reports / "residual.csv"), "--quantity", "strength"]

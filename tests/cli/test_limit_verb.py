@@ -79,6 +79,7 @@ def test_the_model_by_default_is_that_of_the_remedies(
     assert not findings & {"shear", "measured"}
 
 
+@pytest.mark.thorough
 def test_other_keys_need_a_range(car: str, capsys: pytest.CaptureFixture[str]) -> None:
     heavy = ["limit", car, "--over", "striker.mass", "--from", "100", "--to", "4000"]
     assert run([*heavy, "--set", "striker.velocity=8", "--tolerance", "0.05"]) == 0
@@ -140,6 +141,7 @@ def test_bad_input_is_one_line_and_status_2(
     assert (captured.out, captured.err.count("\n")) == ("", 1)
 
 
+@pytest.mark.thorough
 def test_advice_names_the_model_before_anything_is_run(
     car: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -14,6 +14,7 @@ from workbench.scenarios import Pulse
 from workbench.studs.schema import TEMPLATES
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", TEMPLATES)
 def test_a_filled_template_is_fitted(
     kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -96,6 +97,7 @@ def test_the_ground_near_a_fault_is_printed_as_a_motion(capsys: pytest.CaptureFi
 STARTS = {"column": "four-dof", "frame": "rigid-superelement", "pulse": "biggs"}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", STARTS)
 def test_a_scenario_to_start_from_runs(
     kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -32,6 +32,7 @@ def file(tmp_path: Path) -> str:
     return str(path)
 
 
+@pytest.mark.thorough
 def test_without_a_model_the_advice_answers_beside_a_reference(
     file: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

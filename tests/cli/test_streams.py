@@ -39,6 +39,7 @@ for sys.argv[1:] in json.loads(sys.argv[1]):
 """
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "environment",
     [
@@ -64,6 +65,7 @@ def test_a_pipe_that_is_not_utf_8_gets_ascii(scenario: Path, environment: dict[s
     assert words.count(b"\n") == 4
 
 
+@pytest.mark.thorough
 def test_a_pipe_or_stream_that_is_closed_ends_without_a_traceback() -> None:
     show = [*COMMAND, "data", "show", "stud-load-slip", "--json"]  # more than a pipe holds
     with subprocess.Popen(show, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:

@@ -121,6 +121,7 @@ def processes_of_group(group: int) -> list[int]:
     return values
 
 
+@pytest.mark.thorough
 def test_a_killed_run_goes_on_where_it_was(
     study_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -175,6 +176,7 @@ def test_twenty_kills_at_random_moments_lose_nothing_finished(
     assert contents(store) == contents(tmp_path / "whole")
 
 
+@pytest.mark.thorough
 def test_an_interrupt_says_what_is_stored(study_file: Path, tmp_path: Path) -> None:
     write(study_file, delay=0.5)  # long enough that the run cannot end before the signal arrives
     store = tmp_path / "store"
@@ -207,6 +209,7 @@ def blocks_interrupts(pid: int) -> bool:
     return bool(int(blocked[1], 16) >> (signal.SIGINT - 1) & 1)
 
 
+@pytest.mark.thorough
 def test_an_interrupt_while_workers_import_is_for_the_run_alone(
     study_file: Path, tmp_path: Path
 ) -> None:
@@ -222,6 +225,7 @@ def test_an_interrupt_while_workers_import_is_for_the_run_alone(
     until(lambda: not processes_of_group(running.pid))
 
 
+@pytest.mark.thorough
 def test_a_worker_killed_while_it_starts_is_told_as_such(study_file: Path, tmp_path: Path) -> None:
     running = start("run", str(study_file), "--jobs", "1", "--store", str(tmp_path / "store"))
     until(lambda: workers_of_group(running.pid))
@@ -232,6 +236,7 @@ def test_a_worker_killed_while_it_starts_is_told_as_such(study_file: Path, tmp_p
     assert "Traceback" not in output
 
 
+@pytest.mark.thorough
 def test_a_full_disk_is_one_message_and_loses_nothing(study_file: Path, tmp_path: Path) -> None:
     """A limit of the size of files stands for it: the system refuses to write in the same way."""
     store = tmp_path / "store"
@@ -251,6 +256,7 @@ def test_a_full_disk_is_one_message_and_loses_nothing(study_file: Path, tmp_path
     assert len(stamps(store)) == 24
 
 
+@pytest.mark.thorough
 def test_run_status_validate(
     study_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -277,6 +283,7 @@ def test_run_status_validate(
     assert answer["outcomes"] == {"ok": 12}
 
 
+@pytest.mark.thorough
 def test_validate_fails_when_a_gate_does(
     study_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -303,6 +310,7 @@ def test_status_explains_a_changed_option(
     assert "to do (4), option stiffness 4000000.0 -> 3000000.0: v8.0/soft, v10.0/soft" in text
 
 
+@pytest.mark.thorough
 def test_a_cell_that_fails_is_status_1_and_shown(
     study_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -320,6 +328,7 @@ def test_a_cell_that_fails_is_status_1_and_shown(
     assert run(["run", str(troubled), "--only", "soft", "--jobs", "0", *where]) == 0
 
 
+@pytest.mark.thorough
 def test_the_quick_form(
     study_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -332,6 +341,7 @@ def test_the_quick_form(
     assert "12 ok" in capsys.readouterr().out
 
 
+@pytest.mark.thorough
 def test_report_hands_the_store_to_the_builder(
     study_file: Path,
     tmp_path: Path,

@@ -46,6 +46,7 @@ def test_the_gallery_names_what_is_there() -> None:
             assert all(hasattr(module, alias.name) for alias in node.names)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "name", ["column", "frame", "studs", pytest.param("gallery", marks=pytest.mark.slow)]
 )
@@ -159,6 +160,7 @@ def runs_of(page: str) -> list[Any]:
     return [(page, False), *slow * is_long] if steps else []
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("page", "long"),
     [("docs/tutorial.md", True), *(run for page in ("README.md", *GUIDE) for run in runs_of(page))],

@@ -68,6 +68,7 @@ def models():
     return {n: make_model(n) for n, kind in kinds.items() if ColumnImpact.KIND in kind.answers}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("count", [25, pytest.param(200, marks=pytest.mark.slow)])
 def test_no_advice_goes_in_a_circle_and_all_of_it_ends_inside_a_domain(models, count: int) -> None:
     """Whatever model is asked, the one to take instead is followed until there is none."""

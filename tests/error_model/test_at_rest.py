@@ -31,6 +31,7 @@ def subjects(name: str, scenario: ColumnImpact, **options: object) -> list[str]:
     return [each.subject for each in advise(model, scenario, response)]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "options"),
     [*((name, {}) for name in ("single-dof", "energy-estimate", "four-dof")), ("four-dof", BARS)],

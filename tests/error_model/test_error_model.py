@@ -253,6 +253,7 @@ def test_the_doubt_about_the_reference_adds_in_quadrature() -> None:
     assert np.all(np.diff(moved) > 0.0)
 
 
+@pytest.mark.thorough
 def test_a_rate_law_adds_what_one_factor_leaves_out() -> None:
     """In quadrature to the error of the column with that factor; hardening was not measured."""
     rows = RATES.rows[np.isfinite(RATES.ratios)]
@@ -293,6 +294,7 @@ def test_what_one_factor_leaves_out_goes_with_the_overstress() -> None:
     assert truth_ratio(hardly)[0] == pytest.approx(widened(plain[0], none))
 
 
+@pytest.mark.thorough
 def test_the_verb_measures_a_table_and_goes_on_where_it_was(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

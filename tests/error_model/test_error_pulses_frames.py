@@ -62,6 +62,7 @@ def answered(peak: float, name: str = "plug-in"):
     return response
 
 
+@pytest.mark.thorough
 @BOTH
 def test_rows_are_what_their_features_and_the_anchor_of_now_say(table) -> None:
     rows = judged(table)

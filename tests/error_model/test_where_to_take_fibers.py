@@ -52,6 +52,7 @@ def tall(load: dict, *rest):
     )
 
 
+@pytest.mark.thorough
 def test_an_end_moment_below_the_plastic_one_is_answered_by_fibers() -> None:
     """Uniform moment on a rectangle: curvature kappa_y / sqrt(3 - 2 M/My), a circle; 5.98 mm."""
     bent = thin({"moment": 22.0})
@@ -63,6 +64,7 @@ def test_an_end_moment_below_the_plastic_one_is_answered_by_fibers() -> None:
     assert float(answer["peak_displacement"]) == pytest.approx(exact, rel=2e-3)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("scenario", "warned"),
     [
@@ -91,6 +93,7 @@ def test_what_yields_between_hinges_is_said_as_large_as_fibers_find_it(scenario,
         assert choose(scenario).model == ANCHOR
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("pushed", "warned"), [(0.12, False), (0.2, True), (0.4, False)])
 def test_a_push_without_a_hinge_is_told_the_force_that_it_lacks(pushed, warned) -> None:
     """A rectangle of 120 mm under an end moment; where a hinge turns, forces are alike."""
@@ -193,6 +196,7 @@ def hea140() -> ColumnImpact:
     return wb.impact(column, mass=9711, velocity=1.09, duration=1.09, name="HEA 140")
 
 
+@pytest.mark.thorough
 def test_close_to_collapse_the_interval_has_no_upper_end(tmp_path, capsys) -> None:
     file = tmp_path / "near.toml"
     file.write_text(to_toml(hea140()))
@@ -244,6 +248,7 @@ def soft(tmp_path):
     return file
 
 
+@pytest.mark.thorough
 def test_a_record_is_made_longer_until_its_peak(soft, capsys) -> None:
     """Force v sqrt(k m) = 395 kN, after a quarter of the period of striker and front, 0.248 s."""
     assert run(["simulate", str(soft), "--model", ANCHOR, "--json"]) == 0

@@ -28,6 +28,7 @@ def hung(velocity: float, stiffness: float = 448e3) -> ColumnImpact:
     return wb.impact(column, mass=1100, velocity=velocity, duration=0.3)
 
 
+@pytest.mark.thorough
 def test_fibers_whose_bars_hang_on_stand_where_independent_fibers_do() -> None:
     """1.30 m by fibers written outside the project, with elastic webs."""
     answer = FiberShear(levels=1).simulate(hung(16.4))

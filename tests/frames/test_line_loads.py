@@ -33,6 +33,7 @@ def pushed(frame: Frame, down: float) -> FrameStatic:
     return FrameStatic("beam", frame, load, "middle", "-y", (down,))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "name",
     [

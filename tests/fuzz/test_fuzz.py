@@ -22,6 +22,7 @@ def base(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made_once(tmp_path_factory, "fuzz", make)
 
 
+@pytest.mark.thorough
 def test_disturbed_input_ends_in_an_answer_or_one_message(base: Path) -> None:
     root = base / "store"
     paths = [path for path in root.rglob("*") if path.is_file() and path.stat().st_size]

@@ -368,6 +368,7 @@ def test_sections_without_a_surface_are_refused() -> None:
         ShearSurface(circular_tube(0.2, 0.01))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("middle", "shear"), [(0, 0.5), (0.3, 0.2), (0.8, 1.5), (2, 0.4), (0.1, 0.01)]
 )

@@ -288,6 +288,7 @@ def test_two_bodies_begin_to_flow_on_the_surface_of_panels(section, axial, shear
         assert all(each > 0.0 for each in increments) == flows
 
 
+@pytest.mark.thorough
 def test_an_insensitive_web_is_the_panel_without_rate() -> None:
     bar, surface = panel_of(steel=Steel(rate=CowperSymonds(1e8, 1.0)))
     f_n, f11, _, f22 = bar.flexibility

@@ -91,6 +91,7 @@ MODELS = {
 SLOW = ("soft", "rigid bars", "beams")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", MODELS)
 def test_stacks_answer_as_single_calls_do(name: str) -> None:
     model, scenarios = MODELS[name], drawn(24 if name in SLOW else 60)

@@ -67,6 +67,7 @@ def singles(model: Model, frames: Varied) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
 def test_frames_are_answered_as_by_single_calls(model: Model) -> None:
     frames = drawn(16)

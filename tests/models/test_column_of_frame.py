@@ -537,6 +537,7 @@ def test_a_pinned_head_that_cannot_move_becomes_the_base() -> None:
     assert (column.length_below, column.length_above) == (HEIGHT - AT, AT)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("examples", [40, pytest.param(150, marks=pytest.mark.slow)])
 def test_any_frame_gives_a_column_or_a_reason(examples: int) -> None:
     answers = Answers()

@@ -33,6 +33,7 @@ def push_at(section: Section, demand: float) -> ColumnPushover:
     return ColumnPushover(f"{section.name} at {demand:.2f}", column, 0.05 * below)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "lost"), [("IPE 300", (0.045, 0.06)), ("HEB 220", (0.03, 0.05)), ("", (0.03, 0.05))]
 )

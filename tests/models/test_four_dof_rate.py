@@ -111,6 +111,7 @@ def test_without_rate_and_hardening_it_is_the_same_model() -> None:
     assert np.array_equal(ordinary["displacement"], bars["displacement"])
 
 
+@pytest.mark.thorough
 def test_statics_know_no_rate_but_hardening() -> None:
     hard = Steel(rate=MILD_STEEL, hardening_modulus=2.1e9)
     column = replace(hit(1.0, hard, 2.0, 2.0).column, axial_load=0.0, restraint_stiffness=0.0)

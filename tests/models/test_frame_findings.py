@@ -91,6 +91,7 @@ def test_tension_does_not_buckle() -> None:
     np.testing.assert_allclose(state.axial, 1e6)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("share", "expected"), [(0.3, {}), (0.6, {"buckling": False}), (1.1, {"buckling": True})]
 )

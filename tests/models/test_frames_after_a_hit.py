@@ -60,6 +60,7 @@ def test_the_way_to_the_fall_is_that_of_a_rigid_plastic_portal() -> None:
     assert finding.remedy
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", [RigidSuperelement(), FlexibleSuperelement()])
 def test_a_frame_that_just_stands_is_told(model: FlexibleSuperelement) -> None:
     """Of 7 m/s fibers say that it falls; these models by a few percent more."""

@@ -176,6 +176,7 @@ def pairs() -> Iterator[Any]:
                 yield pytest.param(name, scenario, id=f"{name}-{usual.KIND}", marks=marks)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_steps")
 @pytest.mark.parametrize(("name", "scenario"), list(pairs()))
 def test_all_inputs_are_used_or_said_not_to_be(name: str, scenario: Scenario) -> None:
@@ -185,6 +186,7 @@ def test_all_inputs_are_used_or_said_not_to_be(name: str, scenario: Scenario) ->
     assert not set(ignored_inputs(model, scenario, VALUES)) - known
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda scenario: scenario.KIND)
 def test_all_inputs_of_a_scenario_are_varied(scenario: Scenario) -> None:
     varied = {each.path for each, _ in with_other_inputs(scenario, VALUES)}

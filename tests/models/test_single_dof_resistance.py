@@ -201,6 +201,7 @@ def test_tangent_and_work_belong_to_the_force(thesis, shape) -> None:
     assert float(curve.work(-0.2)) == float(curve.work(0.2))
 
 
+@pytest.mark.thorough
 def test_analytic_curve_equals_step_by_step_projection() -> None:
     rng = np.random.default_rng(11)
     mechanisms = [random_mechanism(rng) for _ in range(60)]

@@ -80,6 +80,7 @@ def test_a_plane_frame_is_the_same_structure():
     assert np.abs(in_space["shape_z"]).max() < 1e-12
 
 
+@pytest.mark.thorough
 def test_a_plane_frame_that_is_hit_off_its_plane_leans():
     leaning = answered(hit(bay(()), 5.0))
     assert np.abs(leaning["shape_z"]).max() > 0.01
@@ -109,11 +110,13 @@ def test_a_turned_frame_answers_alike(oblique):
     assert abs(response["peak_displacement"] / oblique["peak_displacement"] - 1.0) < 1e-5
 
 
+@pytest.mark.thorough
 def test_a_flight_along_minus_x_is_that_behind_the_plane():
     event = hit(bay(), 150.0)
     assert peak(hit(bay(), OBLIQUE, "-x")) == pytest.approx(peak(event), rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_bars_between_hinges_follow_fibers(oblique):
     fibers = FiberSpace(smallest_element=0.12, largest_element=0.7, layers=6, levels=1)
     coarse = peak(hit(bay(), OBLIQUE, duration=0.06), fibers)

@@ -64,6 +64,7 @@ def both(
     return records
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
 def test_many_states_at_a_time_read_as_one_by_one(
     model: RigidSuperelement | FlexibleSuperelement,

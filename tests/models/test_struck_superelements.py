@@ -37,6 +37,7 @@ def test_shares_integrate_the_work_of_a_straight_moment(parts: int) -> None:
         assert np.sum(shares * ends**2) == pytest.approx(work)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("elements", [2, 3, 4, 5])
 def test_rigid_bars_in_pairs_are_the_elastic_beam(elements: int) -> None:
     a, b = 0.8, 3.2
@@ -128,6 +129,7 @@ def test_accuracy_is_what_it_costs() -> None:
 THESIS = Column(find("HEB 220"), 0.8, 3.2, fillets=False, axial_load=5e5, restraint_stiffness=1e7)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize(("mass", "velocity"), [(25.0, 8.0), (100.0, 5.0)])
 def test_late_peaks_of_light_strikers_do_not_depend_on_the_steps(model, mass, velocity) -> None:
@@ -160,6 +162,7 @@ def test_peaks_that_come_late_are_told_from_first_ones() -> None:
         assert late_peak(pace._replace(error=np.inf), 0.0, *statements) == 0.0
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("restitution", [0.6, 1.0])
 def test_the_ledger_of_a_very_light_striker_closes(restitution: float) -> None:
     """Forces of its first impact are large, so that a small share of them is much of its energy."""
@@ -170,6 +173,7 @@ def test_the_ledger_of_a_very_light_striker_closes(restitution: float) -> None:
         assert np.abs(answer["balance_error"]).max() <= 5e-7 * impact.input_energy
 
 
+@pytest.mark.thorough
 def test_a_velocity_that_rings_does_not_hold_the_steps_at_their_shortest() -> None:
     """It did at three of these speeds, with 40 times the evaluations."""
     base = {"axial_load": 1.626208e6, "restraint_stiffness": 3.2609e5}

@@ -56,6 +56,7 @@ def answered(response: Response) -> Response:
 # -- contract --------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_load_steps")
 @both
 def test_it_keeps_the_contract_of_a_model(model, thesis_impact) -> None:
@@ -123,6 +124,7 @@ def test_storeys_drift_as_a_whole_and_hinges_tell_their_extremes() -> None:
     assert float(response["largest_compression"]) == -response["axial_force"].values.min()
 
 
+@pytest.mark.thorough
 @both
 def test_a_web_that_slides_turns_no_hinge(model) -> None:
     """A stub whose flanges stay elastic slides; a cantilever of four times the length bends."""
@@ -145,6 +147,7 @@ def test_a_web_that_slides_turns_no_hinge(model) -> None:
         assert response["sliding"].dims[0] == "segment"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("joint", [0.0, 1e5, 1e6, 1e7, None])
 def test_semi_rigid_joints(joint) -> None:
     """Portal with a beam on springs: k = 12 i / h^2 (1 + 6 r) / (2 + 3 r) and r by the springs."""
@@ -329,6 +332,7 @@ def test_static_panels_are_those_of_the_four_dof_column(thesis_impact) -> None:
 # -- paths -----------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_cycles_of_a_clamped_beam_stretch_it() -> None:
     """Full plastic cycles: dissipation grows all the time, the axial force builds up."""
     nodes = (
@@ -349,6 +353,7 @@ def test_cycles_of_a_clamped_beam_stretch_it() -> None:
         assert float(error) < 5e-7  # measured 2.6e-7
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("control", ["displacement", "load", "arc-length"])
 def test_all_controls_find_the_same_path(control) -> None:
     frame = portal(loads=(Load("A1", y=-5e5), Load("B1", y=-5e5)))
@@ -701,6 +706,7 @@ def bears(impact: FrameImpact) -> bool:
     return impact.input_energy <= absorbed(lengths, moment, tuple(ends), max(axial, 0.0))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("examples", [75, pytest.param(150, marks=pytest.mark.slow)])
 def test_random_frames_run_or_end_in_a_typed_outcome(examples: int) -> None:
     answers = Answers()

@@ -70,6 +70,7 @@ def test_axes_of_the_section_and_of_the_hit():
     assert peak_of(model, weak) == pytest.approx(peak_of(model, along_flanges), rel=1e-3)
 
 
+@pytest.mark.thorough
 def test_sections_that_are_alike_all_round_answer_alike_from_every_side():
     # equal steps: those by error follow round-off, by which 0 and 90 degrees differ by 1e-6 to 1e-5
     model, square = SuperelementSpace(elements=2, time_step=1e-4), Rectangle(0.2, 0.2)

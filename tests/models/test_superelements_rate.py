@@ -63,6 +63,7 @@ def test_two_formulations_of_panels_that_flow(kind: str, below: float, steel: St
     assert ahead > 1.2 * peak(MODELS[kind], impact)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", MODELS)
 def test_fibers_with_the_same_law(kind: str) -> None:
     impact = hit(HARD)

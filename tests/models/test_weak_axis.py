@@ -27,6 +27,7 @@ def _peak(
     return float(make_model(model).simulate(scenario).peak_displacement)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("column", "mass", "velocity", "four_dof", "fibers"),
     [
@@ -102,6 +103,7 @@ def test_an_axial_load_that_buckles_the_column_out_of_the_plane_is_named() -> No
     assert any(each.refusal for each in member_findings(weak))
 
 
+@pytest.mark.thorough
 def test_residual_stresses_soften_the_weak_axis_first() -> None:
     scenario = ColumnImpact("weak", HEB, Striker(1500.0, 10.0))
     peaks = [

@@ -47,6 +47,7 @@ def elastic_column(**options) -> Column:
     return Column(find("HEB 220"), 2.0, 2.0, **options)
 
 
+@pytest.mark.thorough
 def test_default_answer_for_a_slow_hit(slow_hit):
     assert peak_of(slow_hit[1]) == pytest.approx(CONVERGED[10.0], rel=0.012)
 
@@ -60,6 +61,7 @@ def test_default_answer_for_the_thesis_column(thesis_impact, velocity, duration)
     )
 
 
+@pytest.mark.thorough
 def test_refinement_hardly_changes_balanced_elements(thesis_impact):
     scenario = replace(thesis_impact, duration=0.03)
     coarse, middle = (
@@ -81,6 +83,7 @@ def test_refinement_halves_elements_and_steps(thesis_impact):
     )
 
 
+@pytest.mark.thorough
 def test_classical_element_converges_to_the_same_peak_from_below(thesis_impact, slow_hit):
     scenario = replace(thesis_impact.at_velocity(10.0), duration=0.024)
     peaks = [
@@ -93,6 +96,7 @@ def test_classical_element_converges_to_the_same_peak_from_below(thesis_impact, 
     assert peak_of(slow_hit[1]) == pytest.approx(extrapolated, rel=0.01)
 
 
+@pytest.mark.thorough
 def test_clamped_column_of_the_thesis(clamped_impact):
     """Axially fixed ends, 25 m/s: converged 0.5055 m."""
     scenario = replace(clamped_impact, duration=0.042)
@@ -100,6 +104,7 @@ def test_clamped_column_of_the_thesis(clamped_impact):
     assert peak(FiberCorotational(levels=1), scenario) == pytest.approx(0.5055, rel=0.008)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("element", "early", "late"), [("interpolated", 0.015, 0.03), ("balanced", 0.005, 0.025)]
 )
@@ -185,6 +190,7 @@ def test_impulse_is_the_momentum_that_the_striker_lost(slow_hit):
     assert response.attrs["algorithmic_dissipation"] == 0.0
 
 
+@pytest.mark.thorough
 def test_record_that_ends_before_the_peak(thesis_impact):
     response = FiberCorotational(levels=1).simulate(replace(thesis_impact, duration=0.01))
     assert "no-peak" in subjects(response)
@@ -198,6 +204,7 @@ def test_light_striker_is_noticed():
     assert "damping" in subjects(damped.simulate(scenario))
 
 
+@pytest.mark.thorough
 def test_collapse_is_an_answer():
     column = Column(find("HEB 220"), 1.0, 3.0, axial_load=1.5e6)
     impact = ColumnImpact("collapse", column, Striker(3000.0, 15.0), 0.4)
@@ -211,6 +218,7 @@ def test_collapse_is_an_answer():
     assert "member below crumples at " in response.attrs["message"]
 
 
+@pytest.mark.thorough
 def test_a_mesh_that_crumples_is_followed_by_a_coarser_one_within_a_percent():
     column = Column(find("HEB 220"), 0.8, 3.2, restraint_stiffness=1e7)
     column = replace(column, axial_load=0.3 * column.properties.squash_load)
@@ -316,6 +324,7 @@ def columns_balance_their_energy(examples: int, refinement: int) -> None:
     answers.demand()
 
 
+@pytest.mark.thorough
 def test_random_columns_balance_their_energy():
     columns_balance_their_energy(20, refinement=-1)
 

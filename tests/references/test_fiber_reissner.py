@@ -46,6 +46,7 @@ def force_width(response, displacement: float) -> float:
 # -- contract and oracle ---------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_load_steps")
 def test_it_keeps_the_contract_of_a_model(thesis_impact) -> None:
     model = FiberReissner(levels=1, smallest_element=0.05)
@@ -56,6 +57,7 @@ def test_it_keeps_the_contract_of_a_model(thesis_impact) -> None:
     check_model(model, scenarios)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("law", ["linear", "menegotto-pinto"])
 def test_forms_and_kernel_give_the_same_response(thesis_impact, monkeypatch, law) -> None:
     monkeypatch.setattr(frame_model, "PUSH_STEPS", 25)
@@ -94,6 +96,7 @@ def test_the_elastic_column_agrees_with_the_corotational_one(thesis_impact, monk
     assert abs(errors[-1] - errors[-2]) / 3.0 == pytest.approx(abs(errors[-1]), rel=2e-3)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("base", ["clamped", "pinned"])
 @pytest.mark.parametrize("head", ["guided", "pinned", "fixed"])
 def test_both_formulations_agree_for_all_supports(thesis_impact, base, head) -> None:
@@ -129,6 +132,7 @@ def test_static_curve_of_the_thesis_column(thesis_impact) -> None:
     np.testing.assert_allclose((2.0 * fine - coarse) / 1e6, STATIC, rtol=5e-3)  # measured 3.4e-3
 
 
+@pytest.mark.thorough
 def test_the_default_static_curve_holds_its_own_uncertainty(thesis_impact) -> None:
     """Of the same curve; on the default mesh perfect plasticity still scatters by 1 to 2 %."""
     push = ColumnPushover("figure 5.8", thesis_impact.column, 0.7)
@@ -139,6 +143,7 @@ def test_the_default_static_curve_holds_its_own_uncertainty(thesis_impact) -> No
     assert np.all(width / STATIC < 0.03)  # measured 0.026
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "column",
     [
@@ -183,6 +188,7 @@ def test_impact_peaks_of_the_thesis_column(thesis_impact, velocity, expected) ->
     assert limit == pytest.approx(expected[3], rel=3.5e-3)  # measured 0.0008
 
 
+@pytest.mark.thorough
 def test_peaks_of_the_clamped_column(clamped_impact) -> None:
     peaks = [
         peak(
@@ -212,6 +218,7 @@ def pinned() -> tuple[ColumnImpact, float]:
     return scenario, peak(model.simulate(scenario))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("weight", "error"), [(0.5, 0.004), (0.55, 0.03)])
 def test_undamped_steps_are_nearer_to_short_ones(pinned, weight, error) -> None:
     scenario, limit = pinned
@@ -243,6 +250,7 @@ def test_section_forces_follow_the_exact_envelope(thesis_impact) -> None:
 # -- options ---------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_explicit_steps_check_the_implicit_ones(thesis_impact) -> None:
     impact = replace(thesis_impact, duration=0.03)
     model = FiberReissner(levels=1, smallest_element=0.05, time_step=1e-5)
@@ -252,6 +260,7 @@ def test_explicit_steps_check_the_implicit_ones(thesis_impact) -> None:
     assert impulse == pytest.approx(float(implicit["impulse"]), rel=2e-3)
 
 
+@pytest.mark.thorough
 def test_explicit_steps_serve_the_corotational_beam_too(thesis_impact) -> None:
     impact = replace(thesis_impact.at_velocity(10.0), duration=0.025)
     mesh = {"smallest_element": 0.1, "largest_element": 0.2, "refinement": 0}
@@ -295,6 +304,7 @@ def test_crookedness_is_amplified_by_the_axial_load() -> None:
     assert grown == pytest.approx(6e-3 * ratio / (1.0 - ratio), rel=5e-3)  # measured 3.8e-3
 
 
+@pytest.mark.thorough
 def test_steel_options_stiffen_the_column(thesis_impact) -> None:
     impact = replace(thesis_impact, duration=0.036)
 
@@ -321,6 +331,7 @@ def test_steel_options_stiffen_the_column(thesis_impact) -> None:
     assert peaks["kinematic"] < 0.85 * peaks["plain"]
 
 
+@pytest.mark.thorough
 def test_menegotto_pinto_keeps_the_ledger(thesis_impact) -> None:
     model = FiberReissner(
         levels=1, smallest_element=0.1, steel_law="menegotto-pinto", hardening_ratio=0.01

@@ -99,6 +99,7 @@ def test_slender_segments_agree_with_the_shear_free_beam(thesis_impact) -> None:
         assert np.all(with_shear > 0.97 * without)  # measured 0.978
 
 
+@pytest.mark.thorough
 def test_explicit_steps_check_the_implicit_ones(thesis_impact) -> None:
     impact = replace(thesis_impact.at_velocity(8.0), duration=0.035)
     model = FiberShear(levels=1, smallest_element=0.1, time_step=2e-5)
@@ -106,6 +107,7 @@ def test_explicit_steps_check_the_implicit_ones(thesis_impact) -> None:
     assert explicit_peak(model, impact)[0] == pytest.approx(implicit, rel=5e-3)
 
 
+@pytest.mark.thorough
 def test_rate_and_hardening_of_the_steel_are_those_of_the_fibers(thesis_impact) -> None:
     """Panels with one factor on their yield stress are an independent form of the same law."""
     column = replace(thesis_impact.column, plastic_moment=None, squash_load=None)
@@ -157,6 +159,7 @@ def test_shear_shares_add_up_to_the_shear_area(shape, tolerance) -> None:
     assert carried <= section.shear_area * (1.0 + 5e-3)  # measured 4.2e-3
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("restraint", "outcome", "strain"),
     [(0.0, Outcome.COLLAPSE, 0.2), (2.6e8, Outcome.OK, 0.5)],  # the second hangs on

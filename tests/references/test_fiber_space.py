@@ -71,6 +71,7 @@ def test_hits_along_the_web_are_those_of_the_plane_beam():
     assert float(np.abs(response["sideways"]).max()) < 1e-9
 
 
+@pytest.mark.thorough
 def test_hits_along_the_flanges_are_those_of_the_plane_beam_about_the_weak_axis():
     # fibers lie differently in the two: 12 strips across a flange in both, the web as one or two
     plane = FiberCorotational(levels=1, refinement=-2, layers=12, shear_flexible=False)
@@ -81,6 +82,7 @@ def test_hits_along_the_flanges_are_those_of_the_plane_beam_about_the_weak_axis(
     assert peak_of(COARSE, weak) == pytest.approx(here, rel=1e-7)
 
 
+@pytest.mark.thorough
 def test_a_square_is_alike_on_both_sides():
     square = Section("square", Rectangle(0.2, 0.2))
     hit = replace(SHS_HIT, column=SHS_HIT.column.changed(section=square))
@@ -91,6 +93,7 @@ def test_a_square_is_alike_on_both_sides():
     assert sides[1] > 1.01 * sides[0]
 
 
+@pytest.mark.thorough
 def test_ends_may_differ_about_both_axes():
     hit = replace(HEB_HIT, striker=Striker(1500.0, 8.0))
     pinned = replace(hit, column=hit.column.changed(base_weak="pinned"))
@@ -111,10 +114,12 @@ def test_friction_and_weak_buckling_are_refused():
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
 
 
+@pytest.mark.thorough
 def test_it_keeps_the_contract_of_a_model():
     check_model(COARSE, [at(HEB_HIT, 30.0, duration=0.02), at(SHS_HIT, 45.0, duration=0.02)])
 
 
+@pytest.mark.thorough
 def test_rate_and_hardening_stiffen_it():
     static = peak_of(COARSE, at(HEB_HIT, 45.0))
     steel = HEB_HIT.column.steel
@@ -146,6 +151,7 @@ def test_fibers_make_up_the_section(layers):
             assert float(np.sum(lever * fibers.area)) == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.thorough
 def test_meshes_behind_an_answer_say_how_far_off_it_is():
     model = FiberSpace(levels=2, refinement=-1)
     response = model.simulate(at(SHS_HIT, 45.0))

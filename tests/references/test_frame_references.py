@@ -113,6 +113,7 @@ def test_a_mesh_keeps_the_nodes_of_the_frame_first(thesis_frame) -> None:
 # -- the models ------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_load_steps")
 @pytest.mark.parametrize("kind", REFERENCES.values())
 def test_the_references_answer_frames(kind) -> None:
@@ -152,6 +153,7 @@ def test_options_that_frames_do_not_know_are_refused() -> None:
 # -- the frame of the thesis -----------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "size", [0.4, 0.2, *(pytest.param(h, marks=pytest.mark.slow) for h in (0.1, 0.05))]
 )
@@ -202,6 +204,7 @@ def test_superelements_against_the_converged_reference(thesis_frame) -> None:
         assert peak == pytest.approx(excess, abs=0.005)
 
 
+@pytest.mark.thorough
 def test_explicit_steps_give_the_same_peak(thesis_frame) -> None:
     implicit = run("fiber-reissner", thesis_frame, 0.2, 0.2, 5e-5)
     highest, _ = explicit_peak(model_of("fiber-reissner", 0.2, 0.2, 5e-5), thesis_frame)
@@ -212,6 +215,7 @@ def test_explicit_steps_give_the_same_peak(thesis_frame) -> None:
 # -- oracles ---------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_load_steps")
 @pytest.mark.parametrize("kind", REFERENCES)
 @pytest.mark.parametrize("event", ["push", "impact"])
@@ -275,6 +279,7 @@ JOINTS = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_load_steps")
 @pytest.mark.parametrize("joint", JOINTS.values(), ids=JOINTS)
 @pytest.mark.parametrize("kind", ["fiber-reissner", "fiber-corotational"])

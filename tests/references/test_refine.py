@@ -315,6 +315,7 @@ def test_the_ladder_table_is_filled_from_the_answer(push) -> None:
     assert ladder_row(answers(push, "plain"), "input_energy") is None
 
 
+@pytest.mark.thorough
 def test_the_static_beam_covers_the_next_level(thesis_impact) -> None:
     column = replace(thesis_impact.column, length_below=2.0, length_above=2.0)
     push = ColumnPushover("push", column, 0.05)
@@ -329,6 +330,7 @@ def test_the_static_beam_covers_the_next_level(thesis_impact) -> None:
     }
 
 
+@pytest.mark.thorough
 def test_an_impact_keeps_its_numbers_and_the_contract(thesis_impact) -> None:
     impact = replace(thesis_impact.at_velocity(5.0), duration=0.03)
     model = FiberCorotational(refinement=0, layers=8)
@@ -344,6 +346,7 @@ def test_an_impact_keeps_its_numbers_and_the_contract(thesis_impact) -> None:
     check_model(replace(model, refinement=-1, levels=2), [impact])
 
 
+@pytest.mark.thorough
 def test_the_solid_refines_space_alone(thesis_impact) -> None:
     push = ColumnPushover("push", thesis_impact.column, 0.02)
     response = SolidPlaneStress().simulate(push)

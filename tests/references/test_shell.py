@@ -272,6 +272,7 @@ def test_supports_hold_what_they_say() -> None:
     assert np.ptp(fixed["shortening"].values) == 0.0
 
 
+@pytest.mark.thorough
 def test_rate_and_hardening_lower_the_displacement() -> None:
     stronger = replace(THESIS, steel=Steel(hardening_modulus=5e9))
     rated = replace(THESIS, steel=Steel(grade="S355"))
@@ -328,6 +329,7 @@ def test_steps_that_are_too_long_end_in_an_error_with_the_ledger(monkeypatch) ->
         assert words in response.attrs["message"]
 
 
+@pytest.mark.thorough
 def test_it_keeps_the_contract() -> None:
     scenario = ColumnImpact("hit", THESIS, Striker(1500.0, 5.0, eccentricity=0.05), 0.03)
     check_model(Shell(levels=1, refinement=-1), [scenario], 1e-4)

@@ -149,6 +149,7 @@ def test_momentum_stays_until_the_supports_feel_the_strike() -> None:
         assert total == pytest.approx(1500.0 * 15.0, rel=1e-4)
 
 
+@pytest.mark.thorough
 def test_the_ledger_closes_and_the_striker_gives_what_it_loses(thesis_strike) -> None:
     error = energy_error(thesis_strike)
     assert error is not None
@@ -168,6 +169,7 @@ def test_a_strike_without_loss_in_the_contact() -> None:
     assert float(response["striker_velocity"][-1]) < 0.0
 
 
+@pytest.mark.thorough
 def test_a_slow_heavy_strike_follows_the_push() -> None:
     column = Column(rectangle(0.2, 0.1), 0.8, 0.8)
     mass, velocity = 1e5, 0.5

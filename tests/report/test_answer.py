@@ -93,6 +93,7 @@ def test_models_that_may_be_relied_on_are_named_first(stored: Assessment) -> Non
     assert first.items[0].startswith(f"{groups}{nearest}; no model is shown to be within 10\u2009%")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("reference_falls", [False, True])
 def test_a_model_that_errs_on_collapse_or_fails_is_neither_green_nor_taken(
     toy_study, tmp_path, reference_falls: bool
@@ -215,6 +216,7 @@ def test_the_top_of_a_report_counts_models_and_says_what_a_quick_form_lacks(
     )
 
 
+@pytest.mark.thorough
 def test_every_renderer_shows_the_same_cells(stored: Assessment, tmp_path) -> None:
     files = build_report(stored, out=tmp_path)
     html = files["html"].read_text(encoding="utf-8")
@@ -259,6 +261,7 @@ def test_the_first_page_begins_with_a_picture_and_is_short(stored: Assessment, t
     assert words_in_sight(html) <= MOST_WORDS
 
 
+@pytest.mark.thorough
 def test_many_models_stay_one_click_away(stored: Assessment, tmp_path) -> None:
     """Eight rows stand in sight, those to rely on first; paper and terminals have all."""
     models = {f"spare {i}": Synthetic(gain=0.7, warns=False) for i in range(8)}

@@ -127,6 +127,7 @@ def test_surfaces_of_members_are_drawn_as_their_model_states_them(frames):
     assert not any("weaker" in text for text in strong.statements)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("beta", "expected"), [(None, 1.3), (1.0, 1.0)])
 def test_paths_of_superelements_reach_the_surface_that_they_state(tmp_path, beta, expected):
     frame = regular_frame((6.0,), (4.0,), find("HEB 220"), find("HEB 220"))
@@ -227,6 +228,7 @@ def test_figures_share_pages_where_a_little_less_size_makes_them_fit():
     assert pages_of(4, 190.0) == 4
 
 
+@pytest.mark.thorough
 def test_the_whole_report_repeats(frames, stills_study, stills_report, tmp_path):
     """With one figure alone: still pictures repeat in other reports."""
     one, two = (

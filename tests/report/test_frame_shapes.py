@@ -75,6 +75,7 @@ def test_instants(frames):
     assert titles[1].startswith("10.2")
 
 
+@pytest.mark.thorough
 def test_a_push_that_ends_at_its_peak_is_not_drawn_twice(tmp_path):
     frame = regular_frame((6.0,), (4.0,), find("HEB 220"), find("IPE 300"))
     for path, expected in ((0.1,), ["half-way", "end"]), ((0.1, 0.0), ["half-way", "peak", "end"]):
@@ -89,6 +90,7 @@ def test_a_push_that_ends_at_its_peak_is_not_drawn_twice(tmp_path):
         assert list(dict.fromkeys(drawing.data["instant"])) == expected
 
 
+@pytest.mark.thorough
 def test_flat_structures_have_room_for_their_axis(tmp_path):
     beam = Frame(
         (Node("l", 0.0, 0.0, "clamped"), Node("m", 2.0, 0.0), Node("r", 4.0, 0.0, "clamped")),
@@ -116,6 +118,7 @@ def test_bad_instants_are_refused(frames, instants):
         draw(request(frames, "deformed", instants=instants))
 
 
+@pytest.mark.thorough
 def test_scale_is_true_or_told(frames):
     large = draw(request(frames, "deformed", cases=[frames.study.cases[0]]))
     assert large.statements[0] == "True to scale, displacements too."
@@ -138,6 +141,7 @@ def test_magnifications_are_round_and_modest(largest, size):
         assert f"{times:e}"[0] in "125"
 
 
+@pytest.mark.thorough
 def test_models_without_shapes_are_named(frames):
     drawing = draw(request(frames, "deformed"))
     assert "Without deformed shape: bare." in drawing.statements

@@ -23,6 +23,7 @@ def page(small, study, tmp_path_factory):
     return summary(read_assessment(small.directory, study), tmp_path_factory.mktemp("kept"))
 
 
+@pytest.mark.thorough
 def test_it_repeats(page, small, study, tmp_path):
     again = summary(read_assessment(small.directory, study), tmp_path)
     assert again.read_bytes() == page.read_bytes()

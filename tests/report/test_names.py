@@ -34,6 +34,7 @@ def renamed(study: Study) -> Study:
     )
 
 
+@pytest.mark.thorough
 def test_names_that_look_missing_or_like_formulas_are_read_back(
     small: Assessment, tmp_path: Path
 ) -> None:

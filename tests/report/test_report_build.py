@@ -54,6 +54,7 @@ def files_of(directory: Path) -> dict[str, bytes]:
     }
 
 
+@pytest.mark.thorough
 def test_equal_stores_give_equal_bytes(built, small, tmp_path):
     again = build_report(small, out=tmp_path / "elsewhere")
     first, second = files_of(built["html"].parent), files_of(again["html"].parent)
@@ -78,6 +79,7 @@ def sweep_html(sweep, tmp_path_factory) -> dict[str, Path]:
     return build_report(sweep, formats=("html",), out=out)
 
 
+@pytest.mark.thorough
 def test_only_the_formats_asked_for_are_written(sweep, sweep_html, tmp_path):
     assert set(sweep_html) == {"figures", "html", "explorer"}
     assert not (sweep_html["html"].parent / "report.pdf").exists()
@@ -203,6 +205,7 @@ def test_models_that_were_not_asked_are_told(small):
     assert any("frames only (model column-of-frame) does not answer" in t for t in last.items)
 
 
+@pytest.mark.thorough
 def test_cells_that_never_ran_are_told(small, tmp_path):
 
     from synthetic_study import Synthetic

@@ -42,6 +42,7 @@ ELSEWHERE = (
 TWICE = ("history", "deformed", "cost")  # equal stores give equal bytes: see `test_report_build`
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "kind",
     [kind for kind in MEMBERS if kind not in ELSEWHERE],
@@ -128,6 +129,7 @@ def rendered(small):
     return of
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", DRAWN)
 def test_texts_stay_inside_the_picture(rendered, kind):
     canvas, renderer = rendered(kind)

@@ -84,6 +84,7 @@ def test_the_explorer_shows_both_views_and_the_direction(tmp_path):
             assert part[..., 1].max() == pytest.approx(reached, rel=0.05)
 
 
+@pytest.mark.thorough
 def test_a_frame_in_space_is_drawn_with_its_depths(tmp_path):
     frame = regular_frame((6.0,), (3.5,), "HEB 220", "IPE 300", depths=(5.0, 4.0))
     frame = frame.split("Aa0-Aa1", 1.2, "hit")

@@ -48,6 +48,7 @@ def texts(canvas) -> str:
 KEYS = ("guideline", "scatter", "residuals", "curves", "model", "unseen", "interaction")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("key", KEYS)
 def test_every_figure_has_something_to_show(studs, key):
     drawing = drawn(studs, key)
@@ -87,6 +88,7 @@ def test_there_is_no_structure_to_draw(studs):
     assert "structure" not in {figure.kind for figure in figures_of(studs.study)}
 
 
+@pytest.mark.thorough
 def test_what_is_not_validated_comes_first(studs):
     short = stud_study.in_short(studs.study, studs)
     (first,) = views(short, "callout")
@@ -147,6 +149,7 @@ def test_gates_mean_something(studs):
     assert not (unknown["verdict"] == "pass").any()
 
 
+@pytest.mark.thorough
 def test_the_whole_report(studs, tmp_path):
     files = build_report(studs, out=tmp_path)
     html = files["html"].read_text(encoding="utf-8")
@@ -178,6 +181,7 @@ def damaged(path: Path) -> Path:
     return path
 
 
+@pytest.mark.thorough
 def test_tests_after_pre_damage_flip_the_chart(tmp_path):
     """The same labels and figure with a table of a laboratory: another grade, a judged gate."""
     file = str(damaged(tmp_path / "lab.csv"))

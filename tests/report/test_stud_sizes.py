@@ -29,6 +29,7 @@ def studs(count: int) -> list[str]:
     return [f"{d} x {5 * d} mm, f_c 31.2 MPa, f_u 472 MPa" for d in (13, 16, 19, 22)[:count]]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("measured", [False, True])
 @pytest.mark.parametrize("count", [1, 2, 4])
 def test_panels_keep_their_size(count: int, measured: bool) -> None:

@@ -88,6 +88,7 @@ def test_levels_that_agree() -> None:
     assert ladder([2.0, 2.0, 2.0, 2.1]).uncertainty > 0.1
 
 
+@pytest.mark.thorough
 def test_the_interval_holds_the_limit_in_19_of_20_sequences() -> None:
     """Two powers and 5 % of scatter: what four meshes of a method of first order look like."""
     rng = np.random.default_rng(2014)

@@ -97,6 +97,7 @@ def test_any_value_at_any_key_of_any_scenario(where: tuple[str, tuple[Any, ...]]
     check_scenario(put(SCENARIOS[name], place, value))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "place"), PLACES, ids=lambda v: ".".join(map(str, v)))
 def test_every_key_meets_every_awkward_value(name: str, place: tuple[Any, ...]) -> None:
     answered = 0
@@ -106,6 +107,7 @@ def test_every_key_meets_every_awkward_value(name: str, place: tuple[Any, ...]) 
     assert answered < 10
 
 
+@pytest.mark.thorough
 @examples(300)
 @given(st.sampled_from(PLACES), st.text(max_size=20), VALUES)
 def test_unknown_keys_are_refused(where, key: str, value) -> None:

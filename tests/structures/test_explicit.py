@@ -72,6 +72,7 @@ def run(driver, assembly, dof, striker, interval, *more) -> tuple[float, float]:
     return peak, worst
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("restitution", [0.0, 0.7])
 def test_both_integrators_agree_and_balance(restitution) -> None:
     striker = PointMass(5000.0, 5.0, restitution)

@@ -175,6 +175,7 @@ def frame(size: float):
     return assembly, assembly.dof(node(6.0, 0.8), "u"), len(elements)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("size", "count", "peak"), [(0.4, 164, 0.4356), (0.2, 320, 0.4589)])
 def test_frame_of_the_thesis(size, count, peak):
     """Middle column hit by 1500 kg at 50 m/s; peaks with steps of a sixteenth."""

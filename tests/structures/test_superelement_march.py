@@ -69,6 +69,7 @@ def followed(pace: Pace, restitution: float = 0.0, **options: object) -> dict[st
     return run
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("restitution", [0.0, 0.6])
 @pytest.mark.parametrize("kind", [{}, {"flexible": True}], ids=["rigid", "flexible"])
 def test_equal_steps_keep_energy_and_reach_the_peak_of_steps_by_error(kind, restitution) -> None:

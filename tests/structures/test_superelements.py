@@ -133,6 +133,7 @@ def test_rigid_motion_leaves_forces_alone(variant):
     assert turned[:, 2] == pytest.approx(forces[:, 2], rel=1e-8, abs=1e-2)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", ["rigid", "flexible"])
 def test_forces_are_those_of_the_condensed_internal_degrees_of_freedom(kind):
     """The force-space projection against Newton's method on u2, theta2, u3, theta3."""
@@ -421,6 +422,7 @@ def test_moments_have_the_sign_of_the_member():
     assert group.plastic[0, 1] > 0.0 > group.plastic[0, 3]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("weight", [None, 0.5])
 @pytest.mark.parametrize("law", [None, MILD_STEEL])
 @pytest.mark.parametrize("slides", [False, True], ids=["bars", "panels"])

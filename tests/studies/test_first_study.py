@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from textwrap import dedent
 
+import pytest
+
 import workbench
 from workbench.scenarios import to_toml
 from workbench.study.error_model.error_model import advise
@@ -12,6 +14,7 @@ from workbench.study.error_model.error_model import advise
 GUIDE = Path(workbench.__file__).parents[1] / "docs" / "guide" / "study.md"
 
 
+@pytest.mark.thorough
 def test_its_models_are_inside_their_domain(thesis_impact, tmp_path: Path, monkeypatch) -> None:
     text = GUIDE.read_text(encoding="utf-8").split("`studies/mine.py`:\n")[1]
     code = dedent(text.split("Kinds of figures")[0])

@@ -28,6 +28,7 @@ def shipped(name: str) -> Study:
     return load_study(str(STUDIES / f"{name}.py")).study
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
 def test_studies_load_and_their_quick_form_is_smaller(path: Path) -> None:
     study = shipped(path.stem)

@@ -174,6 +174,7 @@ def test_a_companion_is_a_test_for_fits_in_like_concrete() -> None:
         damaged_rows(absurd, "strength")
 
 
+@pytest.mark.thorough
 def test_outliers_are_named_and_may_weigh_less(damaged: Maker) -> None:
     table = damaged(4, 6, origin="measured")
     table.loc[3, "shear_kN"] = 140.0

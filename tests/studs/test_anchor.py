@@ -62,6 +62,7 @@ def weights(fit: ResidualFit) -> dict[str, float]:
     return {score.name: score.weight for score in fit.scores}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["oehlers", "inverted-s"])
 def test_the_law_of_the_laboratories_is_found(name: str) -> None:
     table = fatigue(ANCHORED[name])

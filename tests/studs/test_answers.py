@@ -44,6 +44,7 @@ def asked(question: str, **changes: Any) -> StudTests:
     return StudTests(question, question, **given)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("model", "scenario"),
     [  # the default options are held to the contract with all registered models
@@ -136,6 +137,7 @@ def test_names_and_tables_are_checked() -> None:
         StudLoadSlip("rational", published=True)
 
 
+@pytest.mark.thorough
 def test_load_slip_laws_are_judged_by_unseen_curves() -> None:
     given = asked("load-slip", tables=(), curves=CURVES, validate=("lehigh279", "mcgarraugh1971"))
     fitted = StudLoadSlip().simulate(given)
@@ -169,6 +171,7 @@ def written(table: pd.DataFrame, path: Path) -> str:
     return str(path)
 
 
+@pytest.mark.thorough
 def test_tests_after_pre_damage_flip_the_path(damaged: Maker, tmp_path: Path) -> None:
     """The same model and question: a prediction, then a fit that says what it rests on."""
     before = fit_of(StudResidual().simulate(asked("residual-strength")))

@@ -128,6 +128,7 @@ def band_coverage(runs: int, labs: int = 4, each: int = 6) -> tuple[float, float
     return float(np.mean(shares)), float(np.std(shares) / sqrt(runs))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", TRUTH)
 def test_relations_are_not_off(name: str) -> None:
     runs = 8 if name == "power" else 30
@@ -136,6 +137,7 @@ def test_relations_are_not_off(name: str) -> None:
         assert abs(share - CONFIDENCE) <= MARGIN + 2.0 * error, (name, parameter, share)
 
 
+@pytest.mark.thorough
 def test_factors_are_not_off() -> None:
     runs = 6
     error = sqrt(CONFIDENCE * (1.0 - CONFIDENCE) / runs)
@@ -143,6 +145,7 @@ def test_factors_are_not_off() -> None:
         assert abs(share - CONFIDENCE) <= MARGIN + 2.0 * error, (parameter, share)
 
 
+@pytest.mark.thorough
 def test_the_band_of_load_slip_curves_is_not_off() -> None:
     share, error = band_coverage(5)
     assert abs(share - CONFIDENCE) <= MARGIN + 2.0 * error

@@ -98,6 +98,7 @@ def beyond(most: float, campaigns: int = 3) -> pd.DataFrame:
     return from_frame(frame.assign(**values), TESTS)
 
 
+@pytest.mark.thorough
 def test_a_threshold_is_found_and_levels_beyond_one_are_fitted() -> None:
     fit = fit_residual(beyond(1.5))
     assert fit.relation.name == "threshold"
@@ -113,6 +114,7 @@ def test_a_threshold_is_found_and_levels_beyond_one_are_fitted() -> None:
     assert "damage up to 1.5" in fit.holds
 
 
+@pytest.mark.thorough
 def test_a_threshold_is_no_free_lunch() -> None:
     """Where the loss begins at once the linear relation keeps weight and median and band agree."""
     rows = beyond(1.0)

@@ -54,6 +54,7 @@ def after_fatigue(
 # -- what is left, for design --------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("quantity", ["strength", "stiffness"])
 def test_design_rows_are_fractiles_and_lie_in_order(quantity: str) -> None:
     kind = "shear" if quantity == "strength" else quantity

@@ -53,6 +53,7 @@ def test_tests_of_small_weight_are_named_and_the_scatter_is_of_the_others() -> N
     assert not any("weight to" in each for each in told(fit_strength(push_outs(SOUND))))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("loss", LOSSES)
 def test_an_outlier_after_damage_is_named_with_every_loss(loss: str) -> None:
     generator, rows = np.random.default_rng(3), []

@@ -176,6 +176,7 @@ SCATTERS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("runs", [4, pytest.param(200, marks=slow)])
 @pytest.mark.parametrize("sizes", [[6] * 3, [6] * 6, [11]])
 @pytest.mark.parametrize("kind", SCATTERS)

@@ -144,6 +144,7 @@ def test_a_robust_loss_is_not_led_by_an_outlier() -> None:
         fit_curve([1e-3], [1.0])
 
 
+@pytest.mark.thorough
 def test_population_counts_curves_not_points(curves: pd.DataFrame) -> None:
     fit = fit_load_slip(curves)
     assert len(fit.rows) == 24
@@ -223,6 +224,7 @@ def no_start_is_better(curves: pd.DataFrame, law: str, starts: int) -> None:
     assert count >= 24
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("law", LAWS)
 def test_no_other_start_finds_a_better_curve(curves: pd.DataFrame, law: str) -> None:
     no_start_is_better(curves, law, 2)

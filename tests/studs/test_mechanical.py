@@ -295,6 +295,7 @@ def fitted(push_outs: pd.DataFrame) -> MechanicalFit:
     return calibrate(push_outs[push_outs["campaign"] == "provines2019"])
 
 
+@pytest.mark.thorough
 def test_calibration_meets_its_own_campaign(fitted: MechanicalFit) -> None:
     assert fitted.identity.campaigns == {"provines2019"}
     assert "24 undamaged push-outs of provines2019, which are 2 different studs" in fitted.basis

@@ -203,6 +203,7 @@ def few_coverage(runs: int, campaigns: int) -> float:
     return hits / runs
 
 
+@pytest.mark.thorough
 def test_coverage_of_a_line_is_not_off() -> None:
     for name, share in line_coverage(60).items():
         assert abs(share - CONFIDENCE) <= allowance(60), (name, share)
@@ -239,6 +240,7 @@ def nonlinear_coverage(runs: int) -> float:
     return hits / runs
 
 
+@pytest.mark.thorough
 def test_coverage_of_a_nonlinear_parameter_is_not_off() -> None:
     assert abs(nonlinear_coverage(50) - CONFIDENCE) <= allowance(50)
 

@@ -68,6 +68,7 @@ def test_a_table_with_such_rows_flips_the_path_and_says_so(
     assert fit_residual(damaged(1, origin="measured")).grade is Grade.ONE_CAMPAIGN
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("c", "p"), [(0.5, 2.5), (0.45, 0.4)])
 def test_the_power_relation_is_chosen_and_recovered(damaged: Maker, c: float, p: float) -> None:
     fit = fit_residual(damaged(8, 8, c, p, 0.03, 0.02))
@@ -89,6 +90,7 @@ def test_a_damage_without_effect_is_called_so(damaged: Maker) -> None:
     assert fit.parameters == {}
 
 
+@pytest.mark.thorough
 def test_fatigue_without_loss_contradicts_published_findings(damaged: Maker) -> None:
     fit = fit_residual(damaged(6, 8, 0.0))
     assert any("contradicts Hanswille" in text for text in texts(fit))

@@ -72,6 +72,7 @@ def measured(truth: str, runs: int, seed: int) -> tuple[float, float, float, flo
     return float(np.mean(shares)), error, no_loss / runs, float(np.mean(medians))
 
 
+@pytest.mark.thorough
 def test_bands_of_laboratories_are_not_off() -> None:
     share, error, no_loss, median = measured("linear", 3, 5)
     assert 0.87 - 2.0 * error <= share <= 0.95 + 2.0 * error
@@ -105,6 +106,7 @@ def below(sizes: list[int], runs: int) -> float:
     return float(np.mean(shares))
 
 
+@pytest.mark.thorough
 def test_characteristic_values_are_not_off() -> None:
     assert 0.005 <= below([6, 6, 6], 5) <= 0.1
 
@@ -133,6 +135,7 @@ def test_a_parameter_that_reaches_its_bound_does_not_end_a_fit() -> None:
     assert all(c.estimate.sigma > 0.0 for c in fit.averaged)
 
 
+@pytest.mark.thorough
 def test_a_criterion_with_kinks_does_not_end_a_fit() -> None:
     """The 175th laboratory of six campaigns: the estimate of a threshold lay in a side valley."""
     generator = np.random.default_rng(2)
@@ -144,6 +147,7 @@ def test_a_criterion_with_kinks_does_not_end_a_fit() -> None:
         assert each.low <= each.value <= each.high
 
 
+@pytest.mark.thorough
 def test_a_second_valley_does_not_end_an_interval_of_the_scatters() -> None:
     """The 163rd of a threshold: followed from one campaign effect to the next, it was lost."""
     generator = np.random.default_rng(31)

@@ -43,6 +43,7 @@ def test_the_ratio_of_scatters_by_hand() -> None:
     assert not rival["apart"]
 
 
+@pytest.mark.thorough
 def test_the_interval_covers_what_it_says() -> None:
     generator, inside = np.random.default_rng(8), 0
     spread = np.array([[1.0, 0.9], [0.9, 1.44]])  # scatters 1 and 1.2, r = 0.75
@@ -72,6 +73,7 @@ def one_type(**changes: object) -> pd.DataFrame:
     return pd.DataFrame({**values, **changes})
 
 
+@pytest.mark.thorough
 def test_one_type_of_stud_tells_no_formula_apart(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

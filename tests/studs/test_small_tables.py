@@ -92,6 +92,7 @@ VERBS = [
 ]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("verb", [verb for verb, _ in VERBS[:4]])
 def test_some_tables_for_other_verbs(
     verb: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -103,6 +104,7 @@ def test_some_tables_for_other_verbs(
             assert check(range(seed, seed + 1), verb, tmp_path / "lab.csv", capsys) == (1, 0)
 
 
+@pytest.mark.thorough
 def test_some_small_tables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     answered, refused = check(range(8), RESIDUAL, tmp_path / "lab.csv", capsys)
     assert answered
@@ -118,6 +120,7 @@ def test_three_hundred_small_tables(
     assert answered > least
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("sizes", [(3,), (2, 2), (1, 1, 1), (1, 9)])
 def test_the_smallest_laboratories_are_answered(
     sizes: tuple[int, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -117,6 +117,7 @@ def test_d8_refuses_what_it_cannot_use(e: list[float], t: list[float], message: 
         evaluate_d8(e, t)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("n", [5, 10, 30])
 @pytest.mark.parametrize("v_rt", [0.0, 0.1])
 def test_a_new_test_falls_below_the_characteristic_value_in_five_per_cent(

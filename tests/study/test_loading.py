@@ -43,6 +43,7 @@ def test_by_name_by_path_and_with_hyphens(tmp_path: Path, monkeypatch: pytest.Mo
         assert loaded.file == path
 
 
+@pytest.mark.thorough
 def test_models_of_the_study_file_reach_worker_processes(tmp_path: Path) -> None:
     loaded = load_study(write(tmp_path / "own_models.py", STUDY))
     model = loaded.study.models["own"]

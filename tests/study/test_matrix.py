@@ -103,6 +103,7 @@ def test_warnings_about_a_run_are_none_about_the_domain(subject: str) -> None:
     assert not Finding("shear", "t", refusal=True).outside
 
 
+@pytest.mark.thorough
 def test_a_gate_does_not_pass_where_agreement_says_nothing(study: Study, tmp_path: Path) -> None:
     """Soft is 12 % above fine; better, where it counts, is 18 % below fine."""
     models = {
@@ -208,6 +209,7 @@ def test_groups_and_references_name_what_the_study_has(study: Study) -> None:
     assert dict(quick.groups) == {"slow": ("v10.0",)}
 
 
+@pytest.mark.thorough
 def test_a_collapse_that_the_reference_does_not_share_is_counted(
     study: Study, tmp_path: Path
 ) -> None:

@@ -26,6 +26,7 @@ print(hashlib.sha256(to_netcdf_bytes(r)).hexdigest())
 """
 
 
+@pytest.mark.thorough
 def test_equal_responses_give_equal_bytes_in_any_process_at_any_time(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

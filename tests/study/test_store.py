@@ -145,6 +145,7 @@ def test_manifests_of_any_content_are_refused(small: Study, tmp_path: Path) -> N
     assert run_study(small, tmp_path, jobs=0).answered == 0
 
 
+@pytest.mark.thorough
 def test_what_is_written_already_is_not_written_again(small: Study, tmp_path: Path) -> None:
     """A store that can only be read, on a shared disk, can be judged and reported."""
     written(small, tmp_path)
@@ -167,6 +168,7 @@ def test_a_pipe_in_the_place_of_a_cell_does_not_hang(small: Study, tmp_path: Pat
     assert path.is_file()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("place", ["cells", "tables", "report", "report/figures", ".lock"])
 def test_nothing_is_written_through_a_link_in_place_of_a_directory_or_the_lock(
     small: Study, tmp_path: Path, place: str
@@ -193,6 +195,7 @@ def test_nothing_is_written_through_a_link_in_place_of_a_directory_or_the_lock(
     assert len(kept) in (1, 4)
 
 
+@pytest.mark.thorough
 def test_files_of_a_report_replace_links_and_do_not_follow_them(
     small: Study, tmp_path: Path
 ) -> None:
@@ -266,6 +269,7 @@ def test_six_thousand_cells_are_assessed_in_ten_seconds(small: Study, tmp_path: 
     assert process_time() - begin <= 10.0
 
 
+@pytest.mark.thorough
 def test_a_finished_store_that_can_only_be_read_is_run_judged_and_reported(
     small: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -336,6 +340,7 @@ BROKEN: dict[str, list[Change]] = {
 REPORTED = ("findings",)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", BROKEN)
 def test_cells_that_are_signed_but_broken_are_answered_again(
     small: Study, tmp_path: Path, kind: str

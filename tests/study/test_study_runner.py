@@ -43,6 +43,7 @@ def outcomes(study: Study, root: Path) -> dict[str, str]:
     return {cell.name: store.record(cell.key)["outcome"] for cell in cells_of(study)}
 
 
+@pytest.mark.thorough
 def test_serial_and_parallel_and_repeated_runs_give_the_same_bytes(
     toy_study: Study, tmp_path: Path
 ) -> None:
@@ -100,6 +101,7 @@ def test_the_quick_form_has_its_own_store(toy_study: Study, tmp_path: Path) -> N
     assert summary.study.ladder == ("middle", "fine")
 
 
+@pytest.mark.thorough
 def test_every_failure_is_a_stored_result_and_the_rest_goes_on(
     toy_study: Study, tmp_path: Path
 ) -> None:
@@ -217,6 +219,7 @@ def test_leftovers_of_a_killed_run_are_cleaned(toy_study: Study, tmp_path: Path)
     assert list(cells.glob("*.partial")) == []
 
 
+@pytest.mark.thorough
 def test_an_interrupt_leaves_a_consistent_store(toy_study: Study, tmp_path: Path) -> None:
     class Impatient:
         def __init__(self) -> None:

@@ -6,6 +6,8 @@ import sys
 import zipfile
 from pathlib import Path
 
+import pytest
+
 import workbench
 
 TREE = Path(workbench.__file__).resolve().parents[1]
@@ -19,6 +21,7 @@ assert len(load_study("drawn_rates").study.cases) > 0  # which imports another o
 """
 
 
+@pytest.mark.thorough
 def test_the_wheel_holds_data_and_studies(tmp_path: Path) -> None:
     command = [sys.executable, "-c", BUILD, str(tmp_path)]
     built = subprocess.run(command, cwd=TREE, capture_output=True, text=True, check=True)

@@ -144,6 +144,7 @@ COARSER = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("exponents", STATIC_KN)
 def test_figure_5_8_static_curve(thesis_impact, exponents) -> None:
     """Two rigid superelements are the column of two rigid bars and four hinges."""

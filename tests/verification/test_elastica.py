@@ -32,6 +32,7 @@ def test_closed_form_against_the_published_table() -> None:
     assert elastica(10.0) == pytest.approx((0.81061, 0.55500), abs=6e-6)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", FORMULATIONS)
 @pytest.mark.parametrize("force", [1.0, 5.0, 10.0])
 def test_elastic_elements_are_of_second_order(kind, force) -> None:

@@ -96,6 +96,7 @@ FRAMES = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", [RigidSuperelement, FlexibleSuperelement])
 @pytest.mark.parametrize("name", FRAMES)
 def test_collapse_load(name, model) -> None:
@@ -107,6 +108,7 @@ def test_collapse_load(name, model) -> None:
     assert plateau == pytest.approx(collapse_factor(scenario), rel=1e-3)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", [RigidSuperelement, FlexibleSuperelement])
 def test_portal_with_interaction(model) -> None:
     """Linear N-M interaction lowers the combined mechanism of a portal as limit analysis says."""

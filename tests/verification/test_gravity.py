@@ -91,6 +91,7 @@ def fallen(mass: float, stiffness: float, velocity: float, gravity: float = GRAV
     return rest + sqrt(rest**2 + mass * velocity**2 / stiffness)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", mostly_quick(MODELS))
 def test_a_falling_mass_goes_as_far_as_the_closed_form(name: str) -> None:
     for velocity in (LOW,) if name in (*BARS[1:], "fiber-reissner") else (LOW, 10.0 * LOW):
@@ -120,6 +121,7 @@ def beam_frame(**changes: object) -> Frame:
     return Frame(nodes, members, steel=WOOD)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", mostly_quick(FRAMES))
 def test_a_frame_that_lies_answers_as_the_column(name: str) -> None:
     striker = FrameStriker(MASS, LOW, node="M", direction="-y")
@@ -133,6 +135,7 @@ HEAVY = replace(BEAM, mass_per_length=2000.0)
 SAG = 5.0 / 384.0 * 2000.0 * GRAVITY * LENGTH**4 / (STIFFNESS * LENGTH**3 / 48.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "least", "most"),
     [

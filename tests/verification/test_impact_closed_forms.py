@@ -62,6 +62,7 @@ def test_joint_motion_after_a_plastic_collision_is_of_first_order() -> None:
     assert errors[-1] == pytest.approx(half_step, rel=8e-4)  # measured 3.5e-4
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "model",
     [FiberReissner(levels=1, refinement=-1), FiberCorotational(levels=1, refinement=-1)],

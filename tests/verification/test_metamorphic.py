@@ -76,6 +76,7 @@ def column_hit(
     return ColumnImpact("hit", column, Striker(mass, velocity), DURATION.get(name, 0.02))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", COLUMNS)
 def test_columns_move_farther_the_faster_and_the_heavier_the_striker(name: str) -> None:
     base = peak(name, column_hit(name))
@@ -85,6 +86,7 @@ def test_columns_move_farther_the_faster_and_the_heavier_the_striker(name: str) 
         assert base is None or farther is None or farther > 1.02 * base
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", COLUMNS)
 def test_a_column_upside_down_is_the_same_column(name: str) -> None:
     """Clamped base and guided head differ in how they shorten only, by inertia of axial motion."""
@@ -163,6 +165,7 @@ ONE_BY_ONE = {
 CHANGES = [*SAME, *(pytest.param(change, marks=pytest.mark.slow) for change in ONE_BY_ONE)]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("change", CHANGES)
 @pytest.mark.parametrize("name", FRAMES)
 def test_what_a_frame_does_depends_on_nothing_but_the_frame(name: str, change: str) -> None:
@@ -171,6 +174,7 @@ def test_what_a_frame_does_depends_on_nothing_but_the_frame(name: str, change: s
     assert one is None or one == pytest.approx(other, rel=ROUNDING)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", FRAMES)
 def test_an_unloaded_member_in_two_parts_is_the_same_member(name: str) -> None:
     given, whole, tolerance = model(name), hit(frame()), SPLIT_MESH
@@ -189,6 +193,7 @@ def test_an_unloaded_member_in_two_parts_is_the_same_member(name: str) -> None:
         assert peaks[0] == pytest.approx(peaks[1], rel=tolerance)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", FRAMES)
 def test_frames_move_farther_the_faster_and_heavier_the_striker(name: str) -> None:
     """Both at once: columns tell one from the other."""

@@ -156,6 +156,7 @@ def quick(name: str) -> Model:
     return replace(model, **{key: value for key, value in QUICK.items() if key in known})
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "make"), [*cases()])
 def test_mirrored_input_has_the_mirrored_answer(name: str, make: Callable[[float], Any]) -> None:
     model, struck = quick(name), make in (impact, straight)

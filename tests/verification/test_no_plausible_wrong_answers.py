@@ -61,6 +61,7 @@ def test_sweep(model, column, request) -> None:
     assert offenders(model, request.getfixturevalue(column), MESHES, STEPS, SPEEDS) == []
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", [FiberReissner, FiberCorotational], ids=lambda m: m.name)
 def test_coarsest_corner(model, thesis_impact) -> None:
     assert offenders(model, thesis_impact, (0.4, 0.8), (1e-4, 3e-3), (10.0,)) == []

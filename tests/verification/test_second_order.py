@@ -49,6 +49,7 @@ MODELS = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("axial", [0.0, 667e3, 1334e3, 2001e3])
 def test_case_1_member_with_uniform_load(model, axial) -> None:
@@ -80,6 +81,7 @@ def test_case_1_member_with_uniform_load(model, axial) -> None:
     assert abs(float(result)) - end == pytest.approx(moment, rel=5e-3)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("axial", [0.0, 445e3, 667e3, 890e3])
 def test_case_2_cantilever(model, axial) -> None:

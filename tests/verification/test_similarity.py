@@ -111,6 +111,7 @@ def test_reduced_models_answer_alike_at_every_scale(
     check(name, options, scale, shape, velocity, restitution, head)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", REFERENCES)
 def test_references_answer_alike_at_every_scale(name: str) -> None:
     coarse = (
@@ -119,6 +120,7 @@ def test_references_answer_alike_at_every_scale(name: str) -> None:
     check(name, {"levels": 1, "layers": 6, **coarse}, 0.25, "I", 6.0, 0.0, 0.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", [*FRAMES, *FIBER_FRAMES])
 def test_frame_models_of_practice_answer_alike_at_every_scale(name: str) -> None:
     within = 1e-6 if name in FRAMES else 1e-3  # what Newton's method leaves; steps that it cuts

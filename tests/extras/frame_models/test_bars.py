@@ -103,6 +103,7 @@ def test_tangent_compatibility_and_dissipation(kind: str) -> None:
     assert off <= 2  # differences across a corner of the surface
 
 
+@pytest.mark.thorough
 def test_linear_surface_equals_the_closest_point_projection_of_superelements() -> None:
     bars = group(LINEAR, second_order=False, moments=(0.5 * MP, 0.8 * MP))
     rng = np.random.default_rng(2)

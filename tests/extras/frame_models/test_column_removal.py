@@ -53,6 +53,7 @@ def elastic_step(frame, node: str, load: float) -> tuple[float, float]:
     return float(shares.sum()), float(swings.max())
 
 
+@pytest.mark.thorough
 def test_taken_away_at_once_an_elastic_frame_goes_twice_as_far() -> None:
     slow, sudden = removal(3e3, 0.01)
     held = slow.magnitude
@@ -67,6 +68,7 @@ def test_taken_away_at_once_an_elastic_frame_goes_twice_as_far() -> None:
     assert swung == pytest.approx(peak, rel=0.01)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", [FlexibleSuperelement, RigidSuperelement])
 def test_where_it_yields_the_peak_is_that_of_the_static_work(kind) -> None:
     """And the factor 2 says collapse: no 2 R is carried within 0.6 m."""

@@ -56,6 +56,7 @@ def portal() -> FrameStatic:
     return FrameStatic("Darvall-Mendis", frame, load, "load", "-y", (0.02,))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", MODELS)
 def test_second_hinge(model: FrameModel) -> None:
     """427 kN within 2 %; the deflection is 11.4 mm."""

@@ -87,6 +87,7 @@ def test_strength_is_the_product_over_excursions() -> None:
     assert response.attrs["least_strength"] == pytest.approx(left, rel=4e-3)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", [PlasticHinge, QuasiPlasticHinge])
 def test_a_hit_goes_further_where_hinges_wear(kind: type[PlasticHinge]) -> None:
     frame = regular_frame((5.0,), (4.0,), HEB, find("IPE 300")).split("A0-A1", 2.0, "hit")

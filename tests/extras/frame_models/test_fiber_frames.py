@@ -57,6 +57,7 @@ def test_displacement_based_elements_with_lobatto_points_overestimate_as_told() 
         assert float(response["resistance"]) == pytest.approx(expected, rel=0.01)
 
 
+@pytest.mark.thorough
 def test_fibers_that_switch_at_one_strain_do_not_end_a_run() -> None:
     """A laden portal falls sideways, as fiber-reissner and plastic-hinge say; steps stalled."""
     portal = regular_frame((4.59,), (4.72,), find("HEB 300"), find("IPE 240"))

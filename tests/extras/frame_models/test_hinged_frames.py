@@ -71,6 +71,7 @@ def test_refined_hinge_lies_below_the_hinge_on_the_same_surface() -> None:
     assert refined[-1] == pytest.approx(sharp[-1], rel=0.01)  # the same mechanism in the end
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("share", "least", "most"), [(0.0, 0.97, 0.99), (0.3, 0.89, 0.92)])
 def test_refined_hinge_lies_below_fibers_with_residual_stress(
     share: float, least: float, most: float
@@ -120,6 +121,7 @@ def test_slender_members_are_cut_into_more_bars() -> None:
     assert set(Giberson().parts(push)) == {1}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", [PlasticHinge(), PlasticHinge(surface="aisc")])
 def test_thesis_frame_hit_as_by_a_superelement(model: FrameModel) -> None:
     frame = thesis_frame().split("C0-C1", 0.8, "hit")
@@ -168,6 +170,7 @@ def test_events_outside_the_domain_are_warned_of() -> None:
     assert not subjects(PlasticHinge(), hit) | subjects(PlasticHinge(), cycles)
 
 
+@pytest.mark.thorough
 def test_catenary_action_is_warned_of_where_members_were_pulled() -> None:
     """Between clamped ends the hit column is pulled; of a portal on pins the head gives way."""
     laid = Frame(
@@ -189,6 +192,7 @@ def test_catenary_action_is_warned_of_where_members_were_pulled() -> None:
         ) is pulled
 
 
+@pytest.mark.thorough
 def test_struck_members_are_cut_so_that_they_keep_their_energy() -> None:
     """One element per member is 11 % off here; the peak of a fine mesh is within 3 % of fibers."""
     frame = regular_frame((5.0,), (4.0,), HEB, find("IPE 300")).split("A0-A1", 2.0, "hit")
@@ -214,6 +218,7 @@ def test_struck_members_are_cut_so_that_they_keep_their_energy() -> None:
     assert abs(coarse / fine - 1.0) > 0.08
 
 
+@pytest.mark.thorough
 def test_shear_is_reached_by_end_moments_not_by_a_wave() -> None:
     """A light, fast striker sends waves beyond V_pl; low hits need it from the end moments."""
     portal = regular_frame((5.0,), (4.0,), HEB, find("IPE 300"))

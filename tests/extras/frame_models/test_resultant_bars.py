@@ -161,6 +161,7 @@ def rates(path: np.ndarray, inner: float, lag: float, exponents: tuple[float, fl
     return s
 
 
+@pytest.mark.thorough
 def test_steps_converge_to_the_rate_equations() -> None:
     """Normal flow, movement after Mroz, modulus by the distance squared: order one in the step."""
     inner, lag, exponents = 0.6, 0.05 * ENERGY, (1.4, 1.8)

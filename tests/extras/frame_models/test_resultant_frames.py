@@ -22,6 +22,7 @@ pytestmark = pytest.mark.usefixtures("few_load_steps")
 FINE = {"smallest_element": 0.03, "largest_element": 0.1, "levels": 1, "refinement": 0}
 
 
+@pytest.mark.thorough
 def test_bounding_surface_goes_to_the_sharp_hinge() -> None:
     """Force at every drift of a cantilever with 0.3 N_p: off by 1.6, 1.2, 0.12 %, then nothing."""
     scenario = cantilever(4.0, 0.3 * NP, 0.2)
@@ -48,6 +49,7 @@ def test_bounding_surface_spreads_as_fibers_do() -> None:
     assert np.abs(smooth[1:] / fine[1:] - 1.0).max() < 0.02
 
 
+@pytest.mark.thorough
 def test_cycles_dissipate_as_fibers_do_and_never_give_back() -> None:
     for axial, most in ((0.0, 0.03), (0.3 * NP, 0.04)):
         scenario = replace(cantilever(4.0, axial, 0.1), path=(0.1, -0.1, 0.1))
@@ -60,6 +62,7 @@ def test_cycles_dissipate_as_fibers_do_and_never_give_back() -> None:
             assert np.abs(response["balance_error"].values).max() < 3e-4 * fine
 
 
+@pytest.mark.thorough
 def test_energy_of_a_hit_is_accounted_for() -> None:
     portal = regular_frame((5.0,), (4.0,), find("HEB 220"), find("IPE 300"))
     loads = tuple(Load(name, y=-6e5) for name in ("A1", "B1"))
@@ -72,6 +75,7 @@ def test_energy_of_a_hit_is_accounted_for() -> None:
         assert np.diff(response["dissipated"].values).min() > -1e-9 * hit.input_energy
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("p", [0.4, 0.6, 0.75])
 def test_stiffness_of_a_column_is_that_of_its_tangent_modulus(p: float) -> None:
     """EI times (1 + 2 p)(1 - p); at (1 + 2 p)(1 - p) / p = lambda^2 it vanishes."""

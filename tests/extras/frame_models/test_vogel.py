@@ -49,6 +49,7 @@ def test_refined_hinges_are_on_the_safe_side_and_sharp_ones_are_not() -> None:
     assert over_plastic_zones(PlasticHinge(), PORTAL) > 1.02  # 1.029
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_load_steps")
 def test_residual_stress_of_two_surfaces_and_of_the_tangent_modulus() -> None:
     """0.972, 1.027 and 1.028; a sharp hinge on the same surface 1.036."""
@@ -60,6 +61,7 @@ def test_residual_stress_of_two_surfaces_and_of_the_tangent_modulus() -> None:
     assert 1.02 < smooth < softened < sharp - 5e-3
 
 
+@pytest.mark.thorough
 def test_six_storeys(monkeypatch: pytest.MonkeyPatch) -> None:
     """Beams fail, of which all know the strength; 15 load steps, the study has 1000."""
     monkeypatch.setattr(frame_model, "PUSH_STEPS", 15)

@@ -32,6 +32,7 @@ def bar(rotation: float, curve: str = "exact", spread: np.ndarray | None = None)
 SPREAD = np.array([[0.0, 0.001, 0.004, 0.02], [0.0, 0.5, 0.8, 1.0]])
 
 
+@pytest.mark.thorough
 @given(
     st.lists(st.tuples(*(st.floats(-1.0, 1.0) for _ in range(3))), min_size=2, max_size=12),
     st.sampled_from((0.02, 0.2, 2.0)),

@@ -151,6 +151,7 @@ def test_a_campaign_joins_the_study_of_studs_without_code() -> None:
     assert 0.8 < float(answer["test_over_prediction"]) < 1.25
 
 
+@pytest.mark.thorough
 def test_a_bad_table_is_refused_by_a_real_process() -> None:
     impacts((",CC BY 4.0,2026", ",,2026"))
     command = [sys.executable, "-c", "from workbench.cli import main; main()", "data", "add"]
@@ -222,6 +223,7 @@ def test_synthetic_rows_say_so_in_their_names() -> None:
     assert set(rows["origin"]) == {"synthetic"}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -379,6 +381,7 @@ PIECES = (
 )
 
 
+@pytest.mark.thorough
 def test_mutilated_tables_end_in_one_message_or_in_a_good_catalogue() -> None:
     drawn = random.Random(7)
     taken = 0
@@ -429,6 +432,7 @@ def test_a_file_that_is_not_of_the_catalogue_is_never_replaced() -> None:
     assert add_table(table).already
 
 
+@pytest.mark.thorough
 def test_tables_that_are_added_at_once_are_all_catalogued() -> None:
     count = 3
     for number in range(count):

@@ -81,6 +81,7 @@ def tested(empty: Path) -> dict[str, float]:
     return peaks
 
 
+@pytest.mark.thorough
 def test_synthetic_rows_judge_nothing_and_are_named_everywhere(
     empty: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -129,6 +130,7 @@ def test_synthetic_rows_judge_nothing_and_are_named_everywhere(
     assert f"{MARK}Error of the peak" in " ".join(output.split())
 
 
+@pytest.mark.thorough
 def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) -> None:
     study = study_here()
     assert study.reference == "tests"

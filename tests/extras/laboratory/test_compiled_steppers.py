@@ -77,6 +77,7 @@ def test_single_dof(thesis_impact, restitution: float) -> None:
     np.testing.assert_allclose(result.v[1:, 1], answer["striker_velocity"].values[1:], rtol=1e-9)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("restitution", [0.0, 0.3, 0.6])
 def test_four_dof(thesis_impact, restitution: float) -> None:
     h, steps = 2e-5, 1500  # past the peak, and every contact of the way there
@@ -145,6 +146,7 @@ def test_classical_contact_makes_the_striker_bounce_on_the_column() -> None:
     assert values["moreau-jean"].chatter < 0.3 < 0.8 < values["newmark"].chatter
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", SCHEMES)
 @pytest.mark.parametrize("given", [column_problem(), frame_problem()], ids=["column", "frame"])
 def test_every_scheme_answers_a_struck_column_and_a_struck_frame(given, name: str) -> None:

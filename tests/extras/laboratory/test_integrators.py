@@ -67,6 +67,7 @@ def free_duffing() -> float:
     return float(solution.y[0, -1])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", NAMES)
 def test_the_order_of_smooth_motion(name: str, free_duffing: float) -> None:
     errors = []
@@ -93,6 +94,7 @@ def impact_errors(name: str, phases: int = 2) -> list[float]:
     return out
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", CONVERGENT)
 def test_the_order_through_impacts(name: str) -> None:
     assert slope(impact_errors(name)) == pytest.approx(SCHEMES[name].impact_order, abs=0.1)
@@ -114,6 +116,7 @@ def test_the_restitution_of_a_free_ball_is_that_declared(name: str, e: float) ->
         np.testing.assert_allclose(back, declared, atol=1e-12)
 
 
+@pytest.mark.thorough
 def test_a_penalty_keeps_the_energy_of_a_bar_and_velocities_to_first_order() -> None:
     """Reconstructions after Zolghadr Jahromi and Izzuddin; 20 elements, one contact, any step."""
     given = problem("bar")
@@ -157,6 +160,7 @@ def test_momentum_is_kept(name: str) -> None:
         np.testing.assert_allclose(momentum, momentum[0], rtol=1e-13)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", NAMES)
 def test_energy_is_kept_where_that_is_declared(name: str) -> None:
     declared = SCHEMES[name].conserves
@@ -180,6 +184,7 @@ def test_ten_thousand_elastic_steps_keep_their_energy() -> None:
     assert result.drift < 1e-10
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("e", [0.0, 0.5])
 def test_penetration_stays_within_its_bound(name: str, e: float) -> None:
@@ -195,6 +200,7 @@ def test_penetration_stays_within_its_bound(name: str, e: float) -> None:
     assert worst > 0.1 or a == 0.0  # the bound is no idle one
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["ggl", "ggl-split"])
 def test_gap_closing_leaves_no_penetration_whatever_the_masses_and_open_gaps(name: str) -> None:
     """Between floor and ceiling 3 m apart, where the other gaps are nanometres."""
@@ -265,6 +271,7 @@ def test_event_driven_steps_pass_the_accumulation_exactly() -> None:
         )
 
 
+@pytest.mark.thorough
 def test_a_second_of_the_ball_is_right() -> None:
     given = problem("ball")
     stepper = scheme("moreau-midpoint").stepper

@@ -106,6 +106,7 @@ def test_the_page_says_which_scheme_for_which_problem(stored: Assessment) -> Non
     ]
 
 
+@pytest.mark.thorough
 def test_the_order_on_a_ball_is_that_of_many_starts() -> None:
     """Of one start it depends on where in its step an impact falls: 0.66 for the midpoint."""
     given = ImpactProblem("ball", "ball")

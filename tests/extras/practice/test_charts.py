@@ -87,6 +87,7 @@ def test_a_curve_says_where_there_is_none() -> None:
     assert "no peak" in far[0].reason
 
 
+@pytest.mark.thorough
 def test_the_command_prints_draws_and_refuses(tmp_path: Path, capsys) -> None:
     picture = tmp_path / "chart.svg"
     assert run(["chart", "ductility", "--json", "--figure", str(picture)]) == 0

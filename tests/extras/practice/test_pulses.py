@@ -260,6 +260,7 @@ def beam_under(share: float, lasts: float, load: str) -> MemberPulse:
     return MemberPulse("beam", beam, pulse, load, (lasts + 3.0) * period)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("load", ["point", "uniform"])
 @pytest.mark.parametrize(("share", "lasts"), [(1.0, 1.0), (0.3, 0.4), (0.4, 3.0)])
 def test_single_degrees_of_freedom_go_as_far_as_fibers_or_warn(load, share, lasts) -> None:
@@ -317,6 +318,7 @@ COARSE = FiberCorotational(levels=1, smallest_element=0.5, largest_element=0.5, 
 ONE_MEANING = [Biggs(), SingleDof(), RigidSuperelement(), COARSE]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", ONE_MEANING, ids=lambda model: model.name)
 def test_what_remains_is_known_once_the_load_is_gone(model: Model) -> None:
     """An elastic member comes back to where it was, and says nothing of that under its load."""
@@ -334,6 +336,7 @@ def test_what_remains_is_known_once_the_load_is_gone(model: Model) -> None:
     assert float(response["residual_displacement"]) == pytest.approx(0.0, abs=0.01 * peak)
 
 
+@pytest.mark.thorough
 def test_frames_know_what_remains_once_the_load_is_gone() -> None:
     frame = portal().split("A0-A1", 2.0, "hit")
     step = Pulse("rectangular", 1e4, 3.0)
@@ -376,6 +379,7 @@ OFF_MIDSPAN = (
 )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("case", OFF_MIDSPAN, ids=lambda case: case[0])
 def test_a_force_off_midspan_moves_superelements_as_far_as_fiber_beams(case) -> None:
     """One bar on either side went up to twice as far: its mass swings with its impact point."""
@@ -428,6 +432,7 @@ def test_hinges_under_a_line_load_carry_that_of_limit_analysis(column) -> None:
         assert gone == stays
 
 
+@pytest.mark.thorough
 def test_energies_and_warnings(column) -> None:
     short = MemberPulse("short", column, Pulse("triangular", 2e7, 2e-4), "point", 0.05)
     for model in (SingleDof(), Biggs(), Izzuddin()):

@@ -149,6 +149,7 @@ def check(pointwise, together, least=0.80):
     assert together >= 0.85
 
 
+@pytest.mark.thorough
 def test_a_bad_reduced_model_costs_width_not_truth():
     """Small form of the slow test: fewer repetitions and samples, the same bounds.
 
@@ -163,6 +164,7 @@ def test_a_bad_reduced_model_costs_width_not_truth():
     assert widths[1] > 3.0 * widths[0]
 
 
+@pytest.mark.thorough
 def test_the_band_holds_what_fibers_say_of_every_column():
     """Small form of case "fibers" of the slow test."""
     pointwise, _, together, width = coverage("fibers", 25, repetitions=40, samples=4096)

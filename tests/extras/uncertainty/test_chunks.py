@@ -60,6 +60,7 @@ def test_the_table_has_what_it_should(asked, whole, tmp_path):
     assert len(table) == 450
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("ending", ["csv", "nc", "parquet", "xlsx"])
 def test_slices_make_the_same_table(asked, tmp_path, ending):
     if ending == "parquet":
@@ -74,6 +75,7 @@ def test_slices_make_the_same_table(asked, tmp_path, ending):
         assert joined.read_bytes() == out.read_bytes()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("stacked", [True, False])
 def test_threads_and_processes_make_the_same_table(asked, whole, tmp_path, monkeypatch, stacked):
     if not stacked:

@@ -45,6 +45,7 @@ def stored(tmp_path_factory):
     return read_assessment(root / study.name, study)
 
 
+@pytest.mark.thorough
 def test_velocities_are_those_of_the_samples(stored):
     corrected, alone = (stored.response("column", label) for label in (CORRECTED, ALONE))
     at = [float(alone[f"velocity.at_{p}"]) for p in (10, 50, 90)]

@@ -71,6 +71,7 @@ class Alone:
         return self.model.simulate(scenario)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("alone", [False, True])
 @pytest.mark.parametrize(
     ("limit", "ends", "duration", "kinds"),
@@ -178,6 +179,7 @@ def swap_velocities(content):
     first["velocity"], second["velocity"] = second["velocity"], first["velocity"]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("forge", "place"),
     [
@@ -285,6 +287,7 @@ def test_the_numerical_part_of_the_band_is_computed_again(monkeypatch):
     assert {"numerical_half_width", "mesh_shift", "curve.low"} <= set(again.differs)
 
 
+@pytest.mark.thorough
 def test_same_numbers_by_any_number_of_processes(result):
     again = fragility(setup(samples=SAMPLES, jobs=2))
     assert np.array_equal(again.curve.median, result.curve.median)
@@ -381,6 +384,7 @@ def test_certificates_that_are_none_are_one_line(tmp_path, capsys):
         assert capsys.readouterr().err.count("\n") == 1
 
 
+@pytest.mark.thorough
 def test_verb_writes_certificate_and_picture(file, tmp_path, capsys):
     out, plot = tmp_path / "c.json", tmp_path / "c.png"
     pair = ("--model", "single-dof", "--reference", "four-dof", "--samples", "2048")
@@ -395,6 +399,7 @@ def test_verb_writes_certificate_and_picture(file, tmp_path, capsys):
     assert run(["verify", str(out)]) == 0
 
 
+@pytest.mark.thorough
 def test_a_second_number_has_a_curve_for_each_value(file, tmp_path, capsys):
     out, plot = tmp_path / "c.json", tmp_path / "c.png"
     pair = ("--model", "single-dof", "--reference", "four-dof", "--samples", "2048")

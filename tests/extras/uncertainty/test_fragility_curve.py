@@ -56,6 +56,7 @@ def covered(repetitions, count=25, treat=lambda curve, _: curve):
     return pointwise / repetitions, together / repetitions
 
 
+@pytest.mark.thorough
 def test_band_holds_the_exact_curve():
     pointwise, together = covered(60)
     assert pointwise.min() >= 0.80
@@ -71,6 +72,7 @@ def test_band_holds_the_exact_curve_in_200_repetitions():
     assert together >= 0.90
 
 
+@pytest.mark.thorough
 def test_references_from_one_half_are_noticed_by_coverage():
     """The fault that the random places exclude: references below the median only."""
     misses = 0

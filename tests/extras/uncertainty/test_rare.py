@@ -120,6 +120,7 @@ CAR_PARK = (
 )
 
 
+@pytest.mark.thorough
 def test_crude_samples_agree():
     uncertain = uncertain_from_text(TEXT)
     count, model = 400_000, make_model("energy-estimate")
@@ -132,6 +133,7 @@ def test_crude_samples_agree():
     assert result.probability == pytest.approx(crude, rel=3.0 * spread)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_car_park_column_collapses_with_one_in_a_million(seed):
     uncertain = uncertain_from_text(TEXT, CAR_PARK)
@@ -152,6 +154,7 @@ def file(tmp_path):
     return str(path)
 
 
+@pytest.mark.thorough
 def test_verb_prints_the_probability_and_where_it_fails(file, capsys):
     asked = ["rare", file, "--limit", "displacement=0.15", "--model", "energy-estimate"]
     command = [sys.executable, "-c", MAIN, *asked, "--jobs", "1", "--json"]

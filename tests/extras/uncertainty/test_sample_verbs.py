@@ -61,6 +61,7 @@ sys.exit(run(sys.argv[1:]))
 """
 
 
+@pytest.mark.thorough
 def test_a_killed_run_goes_on_where_it_was(uncertain_file, tmp_path, monkeypatch):
     whole, out = tmp_path / "whole.csv", tmp_path / "answers.csv"
     asked = ["sample", uncertain_file, *SDOF, "--samples", "3000"]

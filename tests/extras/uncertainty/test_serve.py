@@ -214,6 +214,7 @@ def started(program, file):
 MAIN = "from workbench.cli import main; main()"
 
 
+@pytest.mark.thorough
 def test_the_verb_serves_until_it_is_interrupted(file):
     process, port = started(MAIN, file)
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=300)
@@ -227,6 +228,7 @@ def test_the_verb_serves_until_it_is_interrupted(file):
     assert error == ""
 
 
+@pytest.mark.thorough
 def test_an_interrupt_ends_a_long_request_too(file):
     slow = "import time; from workbench.extras.uncertainty import service; "
     slow += "service.Service.evaluate = lambda *_: time.sleep(100.0); " + MAIN
