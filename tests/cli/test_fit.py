@@ -278,6 +278,7 @@ def test_the_grade_stands_first_until_tests_are_given(
     assert "root mean square of what is left out, by campaign" in text
 
 
+@pytest.mark.thorough
 def test_damaged_tests_without_a_reference_are_said_to_be_useless(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -13,6 +13,8 @@ from workbench.scenarios import Column, ColumnPushover
 from workbench.steel.sections import Section, find, rectangle, square
 from workbench.testing import check_model
 
+pytestmark = pytest.mark.thorough
+
 HEB = find("HEB 220")
 LOADED = {"fillets": False, "axial_load": 0.5e6, "restraint_stiffness": 1e7}
 THESIS = Column(HEB, 0.8, 3.2, **LOADED)  # Heng 2017, figure 5.8
@@ -51,7 +53,6 @@ def square_push() -> Response:
 # --- elastic and plastic limits -------------------------------------------------------------
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("section", "shear_area", "length", "excess"),
     [
@@ -74,7 +75,6 @@ def test_elastic_stiffness_is_timoshenkos(
     assert 1.0 < ratio < 1.0 + excess  # measured 0.0046, 0.0021, 0.0067
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize(("ends", "hinges"), [(("clamped", "guided"), 8), (("pinned",) * 2, 4)])
 def test_slender_bar_collapses_at_its_plastic_moment(ends, hinges: int) -> None:
     column = Column(rectangle(0.05, 0.1), 1.0, 1.0, base=ends[0], head=ends[1])
@@ -85,7 +85,6 @@ def test_slender_bar_collapses_at_its_plastic_moment(ends, hinges: int) -> None:
     assert response["shear_utilisation"].max() < 0.05
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("share", [0.0, 0.2, 0.4])
 def test_axial_load_takes_from_the_plastic_moment(share: float) -> None:
     column = Column(rectangle(0.1, 0.1), 1.0, 1.0)
@@ -96,7 +95,6 @@ def test_axial_load_takes_from_the_plastic_moment(share: float) -> None:
     assert 1.0 < float(response["force"][-1]) / limit < 1.09  # measured 1.088
 
 
-@pytest.mark.thorough
 def test_short_web_yields_in_shear_at_its_plastic_resistance(thesis_push) -> None:
     below, above = thesis_push["shear_utilisation"].values
     # V_pl = t_w (h - t_f) f_y / sqrt(3); the flanges' roots carry a few per cent on top
@@ -106,7 +104,6 @@ def test_short_web_yields_in_shear_at_its_plastic_resistance(thesis_push) -> Non
     assert bending > 1.7  # what a beam without shear yielding would need
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("pushed", "at", "forces", "tolerance"),
     [
@@ -135,7 +132,6 @@ def test_thesis_column_against_an_independent_implementation(thesis_push) -> Non
 # --- numerics -------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
 def test_ledger_closes_at_second_order_in_the_step(thesis_push) -> None:
     balance = np.abs(thesis_push["balance_error"]).max() / thesis_push["input_energy"]
     assert 1e-9 < float(balance) < 3.9e-5  # measured 2.0e-5
@@ -148,7 +144,6 @@ def test_ledger_closes_at_second_order_in_the_step(thesis_push) -> None:
     assert float(thesis_push["dissipated"][0]) == 0.0
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("meshes", [(-1, 0), pytest.param((0, 1), marks=pytest.mark.slow)])
 def test_hardening_regularises_what_perfect_plasticity_leaves_to_the_mesh(meshes) -> None:
     drift = {}
@@ -180,7 +175,6 @@ def test_restraint_spring_pulls_the_column_into_catenary(middle_push) -> None:
     assert float(tied["shortening"][-1]) < float(free["shortening"][-1])
 
 
-@pytest.mark.thorough
 def test_pinned_ends_weaken_the_column(middle_push) -> None:
     assert (MIDDLE.base, MIDDLE.head) == ("clamped", "guided")
     others = [
@@ -206,7 +200,6 @@ def test_folded_kinks_are_announced(square_push) -> None:
 # --- contract -------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
 def test_keeps_the_contract_of_models() -> None:
     short = ColumnPushover("short", THESIS, 0.01)
     elastic = ColumnPushover("elastic", replace(THESIS, axial_load=0.0), 1e-4)

@@ -25,6 +25,8 @@ from workbench.steel.materials import MILD_STEEL, Steel
 from workbench.steel.sections import find, rectangle
 from workbench.testing import check_model
 
+pytestmark = pytest.mark.thorough
+
 STEEL = Steel()
 THESIS = Column(find("HEB 220"), 0.8, 3.2, fillets=False, axial_load=0.5e6, restraint_stiffness=1e7)
 BAR = Column(rectangle(0.1, 0.05), 1.0, 1.0)
@@ -149,7 +151,6 @@ def test_momentum_stays_until_the_supports_feel_the_strike() -> None:
         assert total == pytest.approx(1500.0 * 15.0, rel=1e-4)
 
 
-@pytest.mark.thorough
 def test_the_ledger_closes_and_the_striker_gives_what_it_loses(thesis_strike) -> None:
     error = energy_error(thesis_strike)
     assert error is not None
@@ -169,7 +170,6 @@ def test_a_strike_without_loss_in_the_contact() -> None:
     assert float(response["striker_velocity"][-1]) < 0.0
 
 
-@pytest.mark.thorough
 def test_a_slow_heavy_strike_follows_the_push() -> None:
     column = Column(rectangle(0.2, 0.1), 0.8, 0.8)
     mass, velocity = 1e5, 0.5

@@ -36,6 +36,8 @@ from workbench.steel.sections import find
 from workbench.study import Case, Study
 from workbench.study.assessor import Assessment, read_assessment
 
+pytestmark = pytest.mark.thorough
+
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 
 
@@ -386,7 +388,6 @@ def seen(request, driven) -> dict[str, Any]:
     return driven[request.param]
 
 
-@pytest.mark.thorough
 def test_a_page_fits_its_screen(driven):
     for result, width in zip(driven, (1400, 390, 1400, 390), strict=True):
         assert result["width"] == width
@@ -573,7 +574,6 @@ STACKED = """(() => {
 })()"""
 
 
-@pytest.mark.thorough
 def test_a_phone_shows_all_columns_of_the_matrix_and_of_the_verdicts(page, built, tmp_path) -> None:
     """Rows are blocks at 390 px, a line for each cell with the head of its column; not at 1400."""
     frames, pages = "", {"explorer": page, "report": built["html"].read_text(encoding="utf-8")}

@@ -25,6 +25,8 @@ from workbench.report.drawing.shapes import shapes_of
 from workbench.scenarios import load_scenario
 from workbench.study.tables import table_bytes, workbook_bytes
 
+pytestmark = pytest.mark.thorough
+
 FRAME = Path(__file__).parents[2] / "data" / "published" / "heng2017_frame.toml"
 COLUMN = FRAME.with_name("heng2017_impact_column.toml")
 TABLE = pd.DataFrame({"model": ["a", "b"], "peak": [1.5, np.nan], "parts": [["x"], None]})

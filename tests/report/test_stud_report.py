@@ -24,6 +24,8 @@ from workbench.study import Case, Figure, Study, assess, load_study
 from workbench.study.assessment import Gate
 from workbench.study.assessor import Assessment
 
+pytestmark = pytest.mark.thorough
+
 STUDY = Path(__file__).resolve().parents[2] / "studies" / "studs.py"
 GRADE = "mechanical prediction, not validated by tests after pre-damage"
 
@@ -48,7 +50,6 @@ def texts(canvas) -> str:
 KEYS = ("guideline", "scatter", "residuals", "curves", "model", "unseen", "interaction")
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("key", KEYS)
 def test_every_figure_has_something_to_show(studs, key):
     drawing = drawn(studs, key)
@@ -88,7 +89,6 @@ def test_there_is_no_structure_to_draw(studs):
     assert "structure" not in {figure.kind for figure in figures_of(studs.study)}
 
 
-@pytest.mark.thorough
 def test_what_is_not_validated_comes_first(studs):
     short = stud_study.in_short(studs.study, studs)
     (first,) = views(short, "callout")
@@ -149,7 +149,6 @@ def test_gates_mean_something(studs):
     assert not (unknown["verdict"] == "pass").any()
 
 
-@pytest.mark.thorough
 def test_the_whole_report(studs, tmp_path):
     files = build_report(studs, out=tmp_path)
     html = files["html"].read_text(encoding="utf-8")
@@ -181,7 +180,6 @@ def damaged(path: Path) -> Path:
     return path
 
 
-@pytest.mark.thorough
 def test_tests_after_pre_damage_flip_the_chart(tmp_path):
     """The same labels and figure with a table of a laboratory: another grade, a judged gate."""
     file = str(damaged(tmp_path / "lab.csv"))

@@ -120,6 +120,7 @@ def test_published_numbers_are_asked_their_own_impacts() -> None:
     assert asked == 3 * 3 + 2
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
 def test_captions_of_the_quick_form_name_nothing_that_it_leaves_out(path: Path) -> None:
     study = shipped(path.stem)
