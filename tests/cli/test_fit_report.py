@@ -88,6 +88,7 @@ def test_a_report_has_the_answer_first_and_all_that_it_rests_on(reports: Path, n
     assert (reports / f"{name}-curves" / "influence.csv").is_file()
 
 
+@pytest.mark.thorough
 def test_the_report_of_strength_tells_design_values_and_every_test(reports: Path) -> None:
     text = words_of((reports / "strength.html").read_text())
     assert "on the characteristic resistance of EN 1994-1-1 [2] , which has 1.25" in text

@@ -182,6 +182,7 @@ def test_spring_is_unstressed_under_the_axial_load():
     assert structure.assembly.stored == pytest.approx(0.5 * 4e5 * shortening, rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_impulse_is_the_momentum_that_the_striker_lost(slow_hit):
     scenario, response = slow_hit
     lost = scenario.striker.mass * (10.0 - response["striker_velocity"].values[-1])

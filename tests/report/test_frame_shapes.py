@@ -182,6 +182,7 @@ def test_colours_darken_and_yielding_stands_out():
     assert abs(luminance(YIELDING) - shades[-1]) > 0.1
 
 
+@pytest.mark.thorough
 def test_still_pictures_of_a_motion(frames, stills_report):
     html = stills_report["html"].read_text(encoding="utf-8")
     assert "flexible <b>" not in html

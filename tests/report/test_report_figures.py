@@ -208,6 +208,7 @@ def test_looks_are_told_apart_and_keep_to_their_label():
     assert looks(fewer)["four-dof"] == result["four-dof"]
 
 
+@pytest.mark.thorough
 def test_sweep_marks_warnings_and_failures(sweep):
     drawing = draw(request(sweep, "sweep"))
     assert drawing.canvas is not None

@@ -279,6 +279,7 @@ def test_an_explicit_strike_along_the_negative_direction(sign) -> None:
     assert ends[0][1] == pytest.approx(ends[1][1], abs=0.09)  # measured 0.044
 
 
+@pytest.mark.thorough
 def test_the_ledger_closes_over_ten_thousand_steps() -> None:
     """A striker bounces on a yielding cantilever: 1e-6 of the impact energy, to the end."""
     law = LinearHardening(210e9, 355e6, 1e-6 * 210e9)

@@ -61,6 +61,7 @@ def struck(velocity: float, duration: float = 0.06, step: float = 1e-4, node_mas
     return peak, time, error / brought
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("exponents", "node_mass", "mass", "peaks"),
     [

@@ -91,6 +91,7 @@ def test_formulas_are_judged_by_what_they_have_not_seen() -> None:
     assert sampled_interval(plain_, "least_test_over_prediction") is None
 
 
+@pytest.mark.thorough
 def test_the_mechanical_model_is_judged_by_unseen_tests() -> None:
     response = StudMechanical().simulate(UNSEEN)
     # measured 0.0013

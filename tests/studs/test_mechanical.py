@@ -314,6 +314,7 @@ def test_calibration_meets_its_own_campaign(fitted: MechanicalFit) -> None:
     json.dumps(plain({"fit": fitted.summary(), **fitted.tables()}), allow_nan=False)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("strength", [20e6, 30e6, 80e6])
 def test_strength_is_limited_by_shank_and_concrete(fitted: MechanicalFit, strength: float) -> None:
     stud = Stud.of_concrete(0.019, 0.1, strength, 450e6)
