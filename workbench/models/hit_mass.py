@@ -32,7 +32,7 @@ from workbench.steel.sections import AXES
 THESIS, WAVES, SUPPORTS = "thesis", "waves", "supports"
 HIT_MASS, HIT_MASS_IN_SPACE = Choice((THESIS, WAVES)), Choice((THESIS, SUPPORTS))
 _ALONG = 1e-12  # cosine of a hit that is one along the flanges or the web
-_TURNS, _NEAR = 100, 1e-3  # of a search for a moment; share of it, at which that ends
+_TURNS, _NEAR = 100, 1e-2  # of a search for a moment, to 1e-3 of it: the share at which it ends
 _FIRST_MODE = 3.926602  # beta l of a bar hinged at one end and clamped at the other
 
 
