@@ -88,9 +88,9 @@ def direction_of(scenario: ColumnImpact) -> list[Any]:
 def supported_mass(scenario: ColumnImpact) -> float:
     """Mass (kg) that shares the velocity of the striker at once, by the rule "supports".
 
-    The impact point moves sideways as it likes: its flexibility along the hit is that of both
-    planes, and the moment along the hit the largest one on the domain of the section under the
-    axial load. An end that is pinned about either axis of it gives way.
+    The impact point moves sideways as it likes, as without friction: its flexibility along the hit
+    is that of both planes, the moment the largest one along it on the domain of the section under
+    the axial load. An end that is pinned about either axis of the hit gives way.
     """
     column = scenario.column
     both = [column.bent_about(axis) for axis in AXES]

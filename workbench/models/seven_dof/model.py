@@ -43,9 +43,9 @@ from workbench.scenarios import Column, ColumnImpact, ColumnScenario
 from workbench.scenarios.varied import spread
 from workbench.steel.hinges.biaxial_kernels import ROOM
 from workbench.steel.hinges.interaction import surface_in_space
+from workbench.steel.sections import AXES
 from workbench.steel.sections.slenderness import torsion_constants
 
-_AXES = ("strong", "weak")
 _BARS, _ENDS = np.array(HINGES).T
 
 
@@ -53,7 +53,7 @@ _BARS, _ENDS = np.array(HINGES).T
 class SevenDof(RigidBars):
     """Column hit from any side; its impact point may drift sideways and twist."""
 
-    hit_mass: str = checked(HIT_MASS_IN_SPACE, SUPPORTS)
+    hit_mass: str = checked(HIT_MASS_IN_SPACE, SUPPORTS, help="a third, or less by late supports")
     rate_level: str = checked(Choice((FACTOR,)), FACTOR)
 
     name: ClassVar[str] = "seven-dof"
@@ -94,7 +94,7 @@ class SevenDof(RigidBars):
 
     def table_of(self, column: Column, count: int = 1) -> tuple[Any, Array]:
         """Bars of a stack of `count` columns: tables of them and their states (count, 7)."""
-        both = [column.bent_about(axis) for axis in _AXES]
+        both = [column.bent_about(axis) for axis in AXES]
         properties, bars = both[0].properties, np.zeros(count, COLUMN)
         seconds = [spread(each.properties.second_moment, count) for each in both]
         moments = [spread(each.properties.plastic_moment, count) for each in both]
@@ -166,7 +166,7 @@ class SevenDof(RigidBars):
             np.abs(stress[:, i] - stress[:, 2 + i])
             / chords
             / column.bent_about(axis).properties.shear_resistance
-            for i, axis in enumerate(_AXES, 1)
+            for i, axis in enumerate(AXES, 1)
         ]
         return {
             "displacement": q[N] - bars["sag"],
@@ -207,7 +207,7 @@ class SevenDof(RigidBars):
     def refused(self, scenario: ColumnImpact) -> Any:
         """Whether the domain refuses an impact; flags of a stack."""
         column = scenario.column
-        strong, weak = (column.bent_about(axis).euler_load(axis) for axis in _AXES)
+        strong, weak = (column.bent_about(axis).euler_load(axis) for axis in AXES)
         return column.axial_load >= np.minimum(strong, weak)
 
     def domain(self, scenario: Any) -> list[Finding]:
