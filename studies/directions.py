@@ -1,6 +1,7 @@
 """Columns hit from every side: eight sections, five directions, three heights, two speeds.
 
-Reduced models against fiber beams in space, a subset against shells that may buckle and twist.
+Reduced models against fiber beams in space, a subset against shells that may buckle and twist and
+against fibers on two finer meshes, which say what the mesh is good for.
 Plane models answer along the web and, bent about the weak axis, along the flanges; between the two
 they refuse, so that the study also says how far a hit goes that nobody meant to be off the web.
 
@@ -32,21 +33,23 @@ OPEN = SECTIONS[:6]
 DEGREES = (0.0, 5.0, 20.0, 45.0, 90.0)
 HEIGHTS, SPEEDS = (0.25, 0.35, 0.5), (6.0, 14.0)  # over the length of 4 m; m/s
 LENGTH, REACH, PRESSED = 4.0, 0.05, 0.1  # m; over the shorter segment; share of the squash load
-FIBERS, SHELL = "fibers in space", "shells"
+FIBERS, FINER, SHELL = "fibers in space", "finer fibers in space", "shells"
 ANGLE, SHOWN, BELOW = (
     "degrees off the web",
     "degrees off the web, 1 for none",
     "length below the impact point in m",
 )
 models = {
-    FIBERS: FiberSpace(levels=2),
+    FIBERS: FiberSpace(refinement=0, levels=1),
+    FINER: FiberSpace(levels=2),
     SHELL: Shell(levels=1),
     "seven-dof": SevenDof(),
     "superelements in space": SuperelementSpace(),
     "4-DOF": FourDof(),
     "rigid bars": RigidSuperelement(shear="none"),
 }
-STRUCK = ("HEB 220", "IPE 300", "SHS 200x10")  # sections of which shells are hit, low and fast
+# sections of which shells and fibers on two meshes are hit, low and fast: a minute each
+STRUCK = ("HEB 220", "IPE 300", "SHS 200x10")
 
 
 def hit(name: str, angle: float, height: float, speed: float) -> Case:
@@ -61,12 +64,12 @@ def hit(name: str, angle: float, height: float, speed: float) -> Case:
         column = column.changed(axis="weak")
     striker = Striker(mass, speed, angle=0.0 if plane else radians(angle))
     title = f"{name}, {angle:g} degrees, {below:g} m, {speed:g} m/s"
-    shells = name in STRUCK and height == HEIGHTS[0] and speed == SPEEDS[1]
-    plane_alone = () if plane else ("4-DOF", "rigid bars")
+    costly = name in STRUCK and height == HEIGHTS[0] and speed == SPEEDS[1]
+    left_out = ("4-DOF", "rigid bars") * (not plane) + (FINER, SHELL) * (not costly)
     return Case(
         title,
         ColumnImpact(title, column, striker, 0.1),
-        models=tuple(m for m in models if (m != SHELL or shells) and m not in plane_alone),
+        models=tuple(m for m in models if m not in left_out),
         parameters={ANGLE: angle, SHOWN: max(angle, 1.0), BELOW: below},
         quick=name == "HEB 220" and height == HEIGHTS[1] and speed == SPEEDS[0] and angle < 90.0,
     )
@@ -116,6 +119,16 @@ gates = (
         "The plane model about the weak axis.",
         _BASIS,
         at(90.0),
+    ),
+    Gate(
+        FIBERS,
+        FINER,
+        "peak_displacement",
+        "relative_error",
+        0.02,
+        "One mesh against two that are finer.",
+        _BASIS,
+        SHELLS,
     ),
     Gate(
         "seven-dof",
@@ -168,7 +181,7 @@ study = Study(
     cases=cases,
     models=models,
     reference=FIBERS,
-    references=(SHELL, FIBERS),
+    references=(SHELL, FINER, FIBERS),
     groups={f"{angle:g} degrees": at(angle) for angle in DEGREES},
     decisive="angles",
     quantities=("peak_displacement", "residual_displacement"),

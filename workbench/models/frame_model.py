@@ -28,6 +28,7 @@ from workbench.mechanics.frames.members import spread_findings
 from workbench.mechanics.frames.runs import OPEN_LEDGER, Record, run_driven, run_impact, run_static
 from workbench.mechanics.frames.structure import (
     FEWEST_LOADED,
+    MOST_PARTS,
     Cut,
     FrameStructure,
     SuperelementMembers,
@@ -144,8 +145,8 @@ class FrameModel(ABC, Declared, table="option"):
     Of a time step `weight`, that of the end stresses (one half conserves energy); `time_step` in s
     (None: by rule); `halvings`, how often steps are halved; `collision_halvings`, see `impact`;
     `largest_error` of the energy ledger over the input energy that an impact may have. Of its bars
-    `least_parts` of a struck member, and what their number is a multiple of; `far_parts` of members
-    far from the struck one (of one, mass is at the ends); `euler_share` of a pin-ended bar, below
+    `least_parts` of a struck member, and what their number is a multiple of, `most_parts` of one
+    hit by a striker; `far_parts` of members far from it (of one, mass is at the ends); `euler_share` of a pin-ended bar, below
     which bars keep its squash load (0: any); whether yielding is `concentrated` in hinges, with
     none between them. A model of another mesh has its own `structure`, `limits`, `time_spans`.
     """
@@ -161,6 +162,7 @@ class FrameModel(ABC, Declared, table="option"):
     crushing: ClassVar[bool] = True
     least_parts: ClassVar[int] = 1
     far_parts: ClassVar[int] = 2
+    most_parts: ClassVar[int] = MOST_PARTS
     euler_share: ClassVar[float] = 0.0
     concentrated: ClassVar[bool] = True
 
@@ -204,7 +206,7 @@ class FrameModel(ABC, Declared, table="option"):
         """Bars of every member: `elements`, and more where the squash load nears the Euler load."""
         frame, counts = scenario.frame, [self.elements or 1] * len(scenario.frame.members)
         if self.elements is None:
-            counts = list(struck_parts(scenario, self.least_parts, self.far_parts))
+            counts = list(struck_parts(scenario, self.least_parts, self.far_parts, self.most_parts))
         if not self.euler_share:
             return counts
         euler = self.euler_share * pi**2 * frame.steel.elastic_modulus  # times I / L^2

@@ -321,7 +321,7 @@ FEWEST_LOADED = 4  # elements of a member under a line load: 1 % of an elastic d
 _LONGEST = 5.0  # section heights, of an element of a struck member where none are asked for
 _NEIGHBOURS = 4  # elements of members that meet struck ones; one gives light hits 20 % too much
 _SHARED = 0.05  # of the energy, lost in a first collision with two elements
-_MOST_PARTS = 16
+MOST_PARTS = 16
 _STRAIGHT = 1e-6  # N/m across a member that do not bend it
 _SOFT = 3.0  # % of axial flexibility that hinges add
 
@@ -375,8 +375,10 @@ def hinge_ends(
     return ends[0], ends[1]
 
 
-def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> tuple[int, ...]:
-    """Parts of every member where none are asked for: of struck ones a `multiple`.
+def struck_parts(
+    scenario: FrameScenario, multiple: int, far: int = 1, most: int = MOST_PARTS
+) -> tuple[int, ...]:
+    """Parts of every member where none are asked for: of struck ones a `multiple`, at `most`.
 
     Arguments: `far`, of members of a struck frame that are neither struck nor meet struck ones.
 
@@ -392,9 +394,9 @@ def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> tuple[
     """
     frame, counts = scenario.frame, (1,) * len(scenario.frame.members)
     if isinstance(scenario, FrameImpact):
-        counts = _parts(frame, (scenario.striker.node,), scenario.striker.mass, multiple, far)
+        counts = _parts(frame, (scenario.striker.node,), scenario.striker.mass, multiple, far, most)
     elif isinstance(scenario, FramePulse):
-        counts = _parts(frame, tuple(load.node for load in scenario.loads), inf, multiple, far)
+        counts = _parts(frame, tuple(load.node for load in scenario.loads), inf, multiple, far, MOST_PARTS)
     several = multiple * ceil(FEWEST_LOADED / multiple)
     pressed = getattr(scenario, "members", ())
     lines = frame.line_loads + np.outer(frame.each("mass_per_length"), frame.gravity)
@@ -406,7 +408,7 @@ def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> tuple[
 
 @lru_cache(maxsize=64)
 def _parts(
-    frame: Frame, nodes: tuple[str, ...], mass: float, multiple: int, far: int
+    frame: Frame, nodes: tuple[str, ...], mass: float, multiple: int, far: int, most: int
 ) -> tuple[int, ...]:
     """Parts of each member of a frame whose nodes a `mass` (kg), or a pulse (infinite), hits."""
     counts = [far] * len(frame.members)
@@ -421,7 +423,7 @@ def _parts(
         height, per_length = member.section.height, frame.properties(member).mass_per_length
         longest = min(heights * height, 1.5 * _SHARED * mass / per_length)
         pairs = frame.length(member) / max(longest, height) / multiple
-        counts[number] = multiple * min(ceil(pairs - 1e-9), _MOST_PARTS // multiple)
+        counts[number] = multiple * min(ceil(pairs - 1e-9), most // multiple)
     return tuple(counts)
 
 
