@@ -396,7 +396,9 @@ def struck_parts(
     if isinstance(scenario, FrameImpact):
         counts = _parts(frame, (scenario.striker.node,), scenario.striker.mass, multiple, far, most)
     elif isinstance(scenario, FramePulse):
-        counts = _parts(frame, tuple(load.node for load in scenario.loads), inf, multiple, far, MOST_PARTS)
+        counts = _parts(
+            frame, tuple(load.node for load in scenario.loads), inf, multiple, far, MOST_PARTS
+        )
     several = multiple * ceil(FEWEST_LOADED / multiple)
     pressed = getattr(scenario, "members", ())
     lines = frame.line_loads + np.outer(frame.each("mass_per_length"), frame.gravity)

@@ -30,14 +30,15 @@ class SpaceFrame(NamedTuple):
     """An element's frame and deformations at one place, as `take_frame` writes it.
 
     `axes` (3, 3), r1 to r3 as columns; chord length and 1 / q_y in `sizes` (2,); deformations `d`
-    (7,); second axes `q` (2, 3) of the nodes; inverse tangent maps `inverse` (2, 3, 3); spin of the
-    frame `spin` (3, 12) and of the nodes against it `against` (2, 3, 12) per motion; `B` (7, 12)
-    per motion in global axes.
+    (7,); triads of the nodes against the frame, `turned` (2, 3, 3), with second axes `q` (2, 3);
+    inverse tangent maps `inverse` (2, 3, 3); spin of the frame `spin` (3, 12) and of the nodes
+    against it `against` (2, 3, 12) per motion; `B` (7, 12) per motion in global axes.
     """
 
     axes: Array
     sizes: Array
     d: Array
+    turned: Array
     q: Array
     inverse: Array
     spin: Array
@@ -48,12 +49,10 @@ class SpaceFrame(NamedTuple):
 @njit(cache=True, error_model="numpy")
 def empty_frame():
     """A frame to write into."""
-    small, wide = np.zeros((3, 3)), np.zeros((3, 12))
-    pairs, against = np.zeros((2, 3, 3)), np.zeros((2, 3, 12))
-    numbers = np.zeros(2), np.zeros(7)
     return SpaceFrame(
-        small, numbers[0], numbers[1], np.zeros((2, 3)), pairs, wide, against, np.zeros((7, 12))
-    )
+        np.zeros((3, 3)), np.zeros(2), np.zeros(7), np.zeros((2, 3, 3)), np.zeros((2, 3)),
+        np.zeros((2, 3, 3)), np.zeros((3, 12)), np.zeros((2, 3, 12)), np.zeros((7, 12)),
+    )  # fmt: skip
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -144,9 +143,8 @@ def take_frame(chord, initial, length, first, second, frame):
     for k in range(3):
         R[k, 2] /= size
     cross(R[:, 2], R[:, 0], R[:, 1])
-    t = np.empty((3, 3))
     for node in range(2):
-        triad = first if node == 0 else second
+        triad, t = first if node == 0 else second, frame.turned[node]
         for i in range(3):
             for j in range(3):
                 t[i, j] = R[0, i] * triad[0, j] + R[1, i] * triad[1, j] + R[2, i] * triad[2, j]
@@ -173,11 +171,12 @@ def take_frame(chord, initial, length, first, second, frame):
     W[2, 1], W[2, 7] = -1.0 / long, 1.0 / long
     W[1, 2], W[1, 8] = 1.0 / long, -1.0 / long
     W[0, 2], W[0, 8] = mean[0] * upright / long, -mean[0] * upright / long
-    local = np.zeros((7, 12))
-    local[0, 0], local[0, 6] = -1.0, 1.0
     for node in range(2):
         at = 3 + 6 * node
         W[0, at], W[0, at + 1] = 0.5 * q[node, 1] * upright, -0.5 * q[node, 0] * upright
+    for j in range(3):
+        B[0, j], B[0, 6 + j] = -R[j, 0], R[j, 0]
+        B[0, 3 + j] = B[0, 9 + j] = 0.0
     for node in range(2):
         against, inverse = frame.against[node], frame.inverse[node]
         for i in range(3):
@@ -185,28 +184,26 @@ def take_frame(chord, initial, length, first, second, frame):
                 against[i, j] = -W[i, j]
             against[i, 3 + 6 * node + i] += 1.0
         for i in range(3):
-            for j in range(12):
-                local[1 + 3 * node + i, j] = (
-                    inverse[i, 0] * against[0, j]
-                    + inverse[i, 1] * against[1, j]
-                    + inverse[i, 2] * against[2, j]
-                )
-    for i in range(7):
-        for block in range(0, 12, 3):
+            a, b, c = inverse[i, 0], inverse[i, 1], inverse[i, 2]
+            row = 1 + 3 * node + i
+            for block in range(3, 12, 3):
+                one = a * against[0, block] + b * against[1, block] + c * against[2, block]
+                at = block + 1
+                two = a * against[0, at] + b * against[1, at] + c * against[2, at]
+                at = block + 2
+                three = a * against[0, at] + b * against[1, at] + c * against[2, at]
+                for j in range(3):
+                    B[row, block + j] = one * R[j, 0] + two * R[j, 1] + three * R[j, 2]
             for j in range(3):
-                B[i, block + j] = (
-                    local[i, block] * R[j, 0]
-                    + local[i, block + 1] * R[j, 1]
-                    + local[i, block + 2] * R[j, 2]
-                )
+                B[row, j] = -B[row, 6 + j]
 
 
 @njit(cache=True, error_model="numpy")
 def geometric(frame, Q, K):
-    """Derivative of B'Q at constant forces Q (7,) with respect to the motions, global (12, 12)."""
+    """Derivative of B'Q at constant forces Q (7,) by the global motions, see `rotate_blocks`."""
     R, W, q, d = frame.axes, frame.spin, frame.q, frame.d
     long, upright = frame.sizes
-    k = np.zeros((12, 12))
+    k = np.empty((12, 12))
     slope, bent, shift, against = (
         np.empty((3, 3)),
         np.empty((3, 12)),
@@ -282,10 +279,7 @@ def product(a, b, result):
 
 @njit(cache=True, error_model="numpy")
 def rotate_blocks(R, k, K):
-    """Blocks of 3 x 3 of k (12, 12) turned by R into K: those of the start are the end's, reversed.
-
-    Only rows and columns of rotations and of the end of k count.
-    """
+    """Blocks of 3 x 3 of k (12, 12) turned by R into K, but those of translations of the start."""
     for a in range(3, 12, 3):
         for i in range(3):
             r0, r1, r2 = R[i, 0], R[i, 1], R[i, 2]
@@ -295,8 +289,14 @@ def rotate_blocks(R, k, K):
                 h2 = r0 * k[a, b + 2] + r1 * k[a + 1, b + 2] + r2 * k[a + 2, b + 2]
                 for j in range(3):
                     K[a + i, b + j] = h0 * R[j, 0] + h1 * R[j, 1] + h2 * R[j, 2]
-            for j in range(3):
-                K[a + i, j] = -K[a + i, 6 + j]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def reverse_start(K):
+    """Write what translations of the start take in K (12, 12): that of the end, reversed."""
+    for i in range(3, 12):
+        for j in range(3):
+            K[i, j] = -K[i, 6 + j]
     for i in range(3):
         for j in range(12):
             K[i, j] = -K[6 + i, j]
@@ -343,13 +343,13 @@ def straining_part(step, chord, length, rest):
 
 @njit(cache=True, error_model="numpy")
 def add_straining(alpha, chord, length, K):
-    """Add `alpha` times the derivative of what `straining_part` writes to K (12, 12)."""
+    """Add `alpha` times the derivative of what `straining_part` writes to K, see `rotate_blocks`."""
     unit, column = np.zeros(12), np.empty(12)
-    for j in range(12):
+    for j in range(3, 12):
         unit[j] = 1.0
         straining_part(unit, chord, length, column)
         unit[j] = 0.0
-        for i in range(12):
+        for i in range(3, 12):
             K[i, j] += alpha * column[i]
 
 
@@ -459,40 +459,40 @@ def add_moved_element(step, bars, e, axes, old, moved, end, middle, Q, C):
         q = Q[i]
         for j in range(12):
             force[j] += at.B[i, j] * q
-    K = np.zeros((12, 12))
-    if step.tangent:
+    K = np.empty((12, 12))
+    if step.tangent:  # without translations of the start, see `reverse_start`
         CB = np.zeros((7, 12))
         for i in range(7):
             for c in range(7):
                 stiffness = share * C[i, c]
                 if stiffness != 0.0:
-                    for j in range(12):
+                    for j in range(3, 12):
                         CB[i, j] += stiffness * end.B[c, j]
         geometric(at, Q, K)
         columns_by(K, maps[0], maps[1])
-        for i in range(12):
-            for j in range(3):
+        for i in range(3, 12):
+            for j in range(6, 9):
                 K[i, j] *= way
-                K[i, 6 + j] *= way
         if corrected:  # the work that is missing, then the square of the straining part
-            for j in range(12):
+            for j in range(3, 12):
                 missing[j] = -2.0 * alpha * rest[j]
             for i in range(7):
                 g, q = gap[i], Q[i]
-                for j in range(12):
+                for j in range(3, 12):
                     missing[j] += g * CB[i, j] + q * (end.B[i, j] - at.B[i, j])
-            for i in range(12):
-                motion = moved[i]
-                for j in range(12):
+            for i in range(3, 12):
+                motion = moved[i] - moved[i - 6] if 6 <= i < 9 else moved[i]
+                for j in range(3, 12):
                     missing[j] -= motion * K[i, j]
             add_straining(alpha, chord, L, K)
-            for i in range(12):
+            for i in range(3, 12):
                 ratio = rest[i] / size
-                for j in range(12):
+                for j in range(3, 12):
                     K[i, j] += ratio * missing[j]
         for c in range(7):
-            for i in range(12):
+            for i in range(3, 12):
                 gradient = at.B[c, i]
-                for j in range(12):
+                for j in range(3, 12):
                     K[i, j] += gradient * CB[c, j]
+        reverse_start(K)
     add_element(step, bars.dofs[e], bars.positions[e], axes, force, K)
