@@ -42,7 +42,7 @@ def peak_of(model, hit) -> float:
 @pytest.mark.parametrize(("column", "mass", "velocity", "degrees", "fibers"), HITS)
 def test_hits_from_every_side_follow_fibers(column, mass, velocity, degrees, fibers):
     peak = peak_of(SuperelementSpace(), struck(column, mass, velocity, degrees))
-    assert peak == pytest.approx(fibers, rel=0.021)  # measured -0.4 to +2.0 %
+    assert peak == pytest.approx(fibers, rel=0.033)  # measured -0.4 to +3.2 %; 4 + 4 bars +1.8 %
 
 
 @pytest.mark.parametrize("options", [{"elements": 4}, {"elements": 6, "hinge_stiffness": 50.0}])
@@ -63,7 +63,7 @@ def test_in_the_plane_they_are_flexible_superelements():
 
 
 def test_axes_of_the_section_and_of_the_hit():
-    model = SuperelementSpace(elements=2)
+    model = SuperelementSpace()
     weak = struck(HEB.changed(axis="weak"), 1500.0, 12.0)
     along_flanges = struck(HEB, 1500.0, 12.0, 90.0)
     # time steps are those of the axis that is given: measured 3e-4
@@ -73,14 +73,14 @@ def test_axes_of_the_section_and_of_the_hit():
 @pytest.mark.thorough
 def test_sections_that_are_alike_all_round_answer_alike_from_every_side():
     # equal steps: those by error follow round-off, by which 0 and 90 degrees differ by 1e-6 to 1e-5
-    model, square = SuperelementSpace(elements=2, time_step=1e-4), Rectangle(0.2, 0.2)
+    model, square = SuperelementSpace(time_step=1e-4), Rectangle(0.2, 0.2)
     for column, velocity in ((HEB.changed(section=Section("square", square)), 25.0), (TUBE, 12.0)):
         hits = [struck(column, 1500.0, velocity, each) for each in (0, 30, 60, 90)]
         sides = [peak_of(model, hit) for hit in hits]
         assert sides[3] == pytest.approx(sides[0], rel=1e-9)
         # the frame of a bar follows the second axes of its nodes: measured 5e-4 and 2e-4
         assert sides[2] == pytest.approx(sides[1], rel=1e-3)
-        usual = [peak_of(SuperelementSpace(elements=2), hits[k]) for k in (0, 3)]
+        usual = [peak_of(SuperelementSpace(), hits[k]) for k in (0, 3)]
         assert usual[1] == pytest.approx(usual[0], rel=1e-5)
     tube = TUBE.changed(section=Section("CHS 219.1x10", CircularTube(0.2191, 0.01)))
     sides = [peak_of(model, struck(tube, 1200.0, 12.0, each)) for each in (0, 30, 45, 90)]
@@ -88,7 +88,7 @@ def test_sections_that_are_alike_all_round_answer_alike_from_every_side():
 
 
 def test_a_rectangle_along_its_flanges_is_bent_about_its_weak_axis():
-    model = SuperelementSpace(elements=2, time_step=1e-4)
+    model = SuperelementSpace(time_step=1e-4)
     tube = TUBE.changed(section=Section("RHS 300x200x10", RectangularTube(0.3, 0.2, 0.01)))
     weak = peak_of(model, struck(tube.changed(axis="weak"), 1200.0, 12.0))
     # nodes have the rotary inertia about the axis that is given: measured 5e-6
