@@ -1,6 +1,6 @@
 """The contract of a model, and the one path by which every model answers a scenario.
 
-Models by name: what the installed distributions offer under ``workbench.models``.
+**Second part.** Models by name: what the installed distributions offer under ``workbench.models``.
 """
 
 import dataclasses

@@ -1,6 +1,7 @@
 """Building, checking and reducing responses (`xarray.Dataset` with the standard variables).
 
-Where a number came from: versions, lock file, source state, kind of machine (no names).
+**Second part.** Where a number came from: versions, lock file, source state, kind of machine (no
+names).
 """
 
 import hashlib

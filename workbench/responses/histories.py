@@ -6,7 +6,8 @@ centre by a factor, ``eccentric``, or ``stud-tests`` and ``integrators``, the pu
 models of studs and schemes of time integration are judged. Dimension
 ``history`` is `time` in an impact and `step` in a pushover.
 
-Numbers implied by histories: peak, residual, contact force, impulse, energy ledger.
+**Second part.** Numbers implied by histories: peak, residual, contact force, impulse, energy
+ledger.
 
 The ledger is closed in `balance_error`; a model that sums in an order of its own gives it itself.
 """

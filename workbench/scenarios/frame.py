@@ -1,6 +1,6 @@
 """The frame: nodes, members, joints and dead loads that fit together and are supported.
 
-Frames in files: nodes and members, or axes and levels; splits refine both.
+**Second part.** Frames in files: nodes and members, or axes and levels; splits refine both.
 """
 
 from __future__ import annotations

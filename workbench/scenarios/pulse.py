@@ -1,8 +1,9 @@
 """Forces over time: pulses of impact rules and of blast, tabulated histories.
 
-Histories of loads from what makes them: a missile that crushes, the ground near a fault.
+**Second part.** Histories of loads from what makes them: a missile that crushes, the ground near a
+fault.
 
-Vehicles of EN 1991-1-7 as strikers, and the static forces that stand for them.
+**Third part.** Vehicles of EN 1991-1-7 as strikers, and the static forces that stand for them.
 
 The standard was not at hand: the numbers are recalled and *not verified in print*, but for the
 forces of cars (50 and 25 kN) and for what the JCSS Probabilistic Model Code, 2.18, has as well: the

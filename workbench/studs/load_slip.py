@@ -5,7 +5,8 @@ the slip of its ascending branch at a load (`slip_at`). All that is to be known 
 its class; a new law is one more class and its place in `LAWS`. Stiffness is that of the chord from
 10 to 40 % of the largest load (EN 1994-1-1 and AISC 360 speak of stiffness at such levels). In SI.
 
-Fit of a load-slip law to a table of curves: curves are the observations, not points.
+**Second part.** Fit of a load-slip law to a table of curves: curves are the observations, not
+points.
 
 Each curve gives its own parameters; their logarithms are then regressed on a constant with a
 random effect per campaign. So many points of one digitised curve count once.

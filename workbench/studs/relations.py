@@ -4,7 +4,8 @@ Damage D from 0 on, R = 1 undamaged, R >= 0. D = 1 is what an undamaged stud bea
 driven beyond has more. A fatigue life ends when what is left has fallen to the peak of the load,
 R(1) = P_max / P_u: relations that keep to it are anchored.
 
-What is left of a stud after pre-damage: relations fitted to tests, with their evidence grade.
+**Second part.** What is left of a stud after pre-damage: relations fitted to tests, with their
+evidence grade.
 
 No shipped table holds a strength measured after pre-damage. Until one is given, the only answer is
 the prediction of the mechanical model, and its grade says that nothing has validated it.

@@ -4,7 +4,8 @@ A table is a CSV file with the unit of every number in the name of its column. `
 row per specimen, `POINTS` the points of measured curves; `columns.csv` beside this file declares
 their columns. An empty cell means that the quantity was not reported; it never means zero.
 
-Tables of tests by their schemas; every bad row is named by file, line, column and reason.
+**Second part.** Tables of tests by their schemas; every bad row is named by file, line, column and
+reason.
 
 `workbench.base.tables` gives the cells; here are the header, cells by the schema, rows by its
 rules, and what must not repeat between rows.

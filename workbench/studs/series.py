@@ -5,7 +5,8 @@ below m - k s in a new test with the wanted probability for k = t_(n-1)(p) sqrt(
 reproduces tables D.1 and D.2.
 Source: EN 1990:2002, D.8.2 to D.8.4 (recalled, not read again).
 
-Nominally equal tests, also of a table: EN 1994-1-1 Annex B.2, and EN 1990 D.8.4 for a few.
+**Second part.** Nominally equal tests, also of a table: EN 1994-1-1 Annex B.2, and EN 1990 D.8.4
+for a few.
 
 Three push tests or more are evaluated by B.2.4 and B.2.5 of EN 1994-1-1:2004 (recalled, not read
 again). One to three tests have a characteristic value by D.8.4 from a scatter known beforehand:

@@ -1,6 +1,6 @@
 """Tables of tests in use: shipped, joined, split by campaign, not validated by their own rows.
 
-Columns of a table of tests as arrays in SI units, and the rows that a fit may use.
+**Second part.** Columns of a table of tests as arrays in SI units, and the rows that a fit may use.
 
 Of studs in profiled decks also what EN 1994-1-1 and AISC 360 take off the resistance in a solid
 slab. EN 1994-1-1, 6.6.4 (k_l and k_t) is recalled, not read again; AISC 360-22, I8.2a (R_g and R_p)

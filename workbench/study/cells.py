@@ -1,8 +1,9 @@
 """Cells of a study: one scenario answered by one model, and the key that identifies the answer.
 
-A worker answers a cell: it never fails, and hands back bytes and a record.
+**Second part.** A worker answers a cell: it never fails, and hands back bytes and a record.
 
-A stored study: its manifest, what has to be answered (again) and why, all as one tree.
+**Third part.** A stored study: its manifest, what has to be answered (again) and why, all as one
+tree.
 """
 
 import fnmatch

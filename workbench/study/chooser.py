@@ -3,7 +3,8 @@
 Groups of static cases alone, in which displacements are given, are judged by the quantity of their
 gate or the first of the study.
 
-Which model to take: rankings over large groups of cases, and what the error model is worth.
+**Second part.** Which model to take: rankings over large groups of cases, and what the error model
+is worth.
 
 Models are ranked by the errors of their peaks; pairs of answers on the same column say which of two
 errs less. What the error model says of the drawn scenarios of a study, by cell, by model and as a

@@ -3,7 +3,8 @@
 An executor has ``run(tasks)``, which gives results in the order in which they are ready. All of
 them call `work.perform`, so their numbers are bit-identical.
 
-Running a study: answer the cells that are not stored yet, keep the store consistent.
+**Second part.** Running a study: answer the cells that are not stored yet, keep the store
+consistent.
 
 Progress has an estimate of the time left: a bar on a terminal, lines elsewhere.
 """

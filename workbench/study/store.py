@@ -7,7 +7,7 @@ what is asked. A reader of any file sees the old content or the new one, never a
 content gives equal bytes, in JSON, CSV and netCDF-3 alike. Nothing is written through a link
 inside a store, which may come from elsewhere.
 
-Finding and loading study files: Python files that define ``study = Study(...)``.
+**Second part.** Finding and loading study files: Python files that define ``study = Study(...)``.
 """
 
 import hashlib

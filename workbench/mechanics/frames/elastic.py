@@ -1,6 +1,7 @@
 """The column that is hit in a frame, the line of members through the struck node; its head mass.
 
-Small displacements of a frame of elastic Bernoulli beams: unit loads, buckling, time scales.
+**Second part.** Small displacements of a frame of elastic Bernoulli beams: unit loads, buckling,
+time scales.
 
 Displacements of the nodes and forces at member ends are exact for loads at the nodes. Mass and
 geometric stiffness are consistent with the cubic deflection (Przemieniecki 1968). Time steps follow

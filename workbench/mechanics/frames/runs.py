@@ -1,6 +1,7 @@
 """Record of a run of a frame at every committed step: histories, and pictures of the frame.
 
-Static paths, impact and ground motion of a frame, from the first step to the response.
+**Second part.** Static paths, impact and ground motion of a frame, from the first step to the
+response.
 """
 
 from collections.abc import Iterator

@@ -3,7 +3,8 @@
 Models differ in the elements of the members only. They hand these over with a reader of the
 members' states; everything else happens here.
 
-A scenario's frame as superelements: hinges and bars of every member, and what is read off.
+**Second part.** A scenario's frame as superelements: hinges and bars of every member, and what is
+read off.
 
 The element itself stands in `structures/superelements`, the two models in `models/superelements`.
 """

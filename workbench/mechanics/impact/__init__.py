@@ -1,6 +1,7 @@
 """The impact integrator and its contact law.
 
-`integrator` follows every model; `contact` and `pace` hold its law and constants; `records` reads.
+`integrator` follows every model, by Newton's method in `newton`; `contact` and `pace` hold its law
+and constants.
 """
 
 from workbench.mechanics.impact.contact import contact_loss as contact_loss

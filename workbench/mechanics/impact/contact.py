@@ -4,9 +4,10 @@ Moreau 1988; Heng 2017, 3.1 and 3.2, eqs 3.17-3.30. Gap g >= 0, gap velocity gam
 impulse P of a step obeys 0 <= P perp xi = gamma_1 + e gamma_0 >= 0 while the contact is closed.
 Explicit steps and collisions call `explicit_percussion`; implicit steps write xi = 0 into their
 equations with the `rebound` given here (`contact_step_of`, which decides who touches). A striker
-that crushes has no restitution: its impulse is that of its law, see `crushing`.
+that crushes has no restitution: its impulse is that of its law.
 
-A striker that crushes: a mass behind a force over its crushed length, one-sided, with history.
+**Second part.** A striker that crushes: a mass behind a force over its crushed length, one-sided,
+with history.
 
 The approach c of striker and impact point loads along the law F(c) of the scenario, straight
 between its points; from the largest approach c_m on it unloads along one steep line,
@@ -184,7 +185,7 @@ def contact_loss(percussion: float, gamma_start: float, gamma_end: float) -> flo
 
 
 def contact_step_of(hit: Any, solve: Any, released: bool = True) -> Any:
-    """The step of a model that writes contact into its equations; see `integrator.Model`.
+    """The step of a model that writes contact into its equations; see `integrator.StepFunctions`.
 
     `step(s, progress, dt, can_touch) -> done, impulse (N s), end velocity of the impact point
     (m/s), energy lost in contact (J)`; `can_touch`: whether contact is possible. The step is solved

@@ -11,8 +11,8 @@ step:
    a step.
 2. The length is that of the controller (`pace.step_factor`), at most to the next impact
    (`pace.next_step_size`).
-3. `contact_step_of` has the model `solve` the step with contact closed or open, and takes the
-   solution that obeys 0 <= P perp gamma_1 + e gamma_0 >= 0. This decides contact within a step; a
+3. `contact_step_of` has the model `solve` the step (predict, then Newton) with contact closed or
+   open, and takes the solution that obeys 0 <= P perp gamma_1 + e gamma_0 >= 0. This decides contact within a step; a
    model with a `step` of its own decides there.
 4. A step in which the gap closes (`pace.contact_time`), whose error is too large
    (`pace.step_factor`), or in which the impact point passes its peak, is taken again, shorter.
@@ -23,7 +23,7 @@ step:
 
 How to put a model on it (`models/single_dof/march.py` is the smallest example)::
 
-    advance = march_of(Model(hit, solve, settle, accept, write, lost), longer=1.5)
+    advance = march_of(StepFunctions(hit, solve, settle, accept, write, lost), longer=1.5)
 
     @njit(cache=True, error_model="numpy")          # the entry: arrays and NamedTuples in
     def impact(table, drive, progress, records):
@@ -35,9 +35,8 @@ How to put a model on it (`models/single_dof/march.py` is the smallest example):
 machine code of all it calls. Functions made by factories are not cached themselves and are called
 by name; systems must not be defined in `__main__`. The entry may be called in a compiled loop over
 many columns, with a `spacing` of infinity and records of three rows for ends and peaks alone.
-From Python, `records.Run` calls an entry and reads what it has written.
-
-Records of a march, read once for all models: histories, peak, why it ended.
+From Python, `follow` calls an entry and reads its records once for all models, as `FollowedImpact`:
+histories, peak, why it ended.
 """
 
 from math import isnan, pi, prod, sqrt

@@ -24,7 +24,7 @@ def no_finish(s, size):
 
 
 class Equations(NamedTuple):
-    """Functions of a step over a system `s`, compiled; see `integrator.Model`.
+    """Functions of a step over a system `s`, compiled; see `integrator.StepFunctions`.
 
     `vectors(s) -> x, start, step, residual`: unknowns (n,), where Newton's step began, the step.
     `evaluate(s, dt, closed, touch, striker) -> size`: residual and tangent at x, and its size.

@@ -1,6 +1,7 @@
 """Element groups of an assembly: bars, two states, the step; joint springs.
 
-Overstress of a step: backward Euler of Cowper-Symonds flow under one or two stresses, compiled.
+**Second part.** Overstress of a step: backward Euler of Cowper-Symonds flow under one or two
+stresses, compiled.
 
 The unknown is x = (p / (D dt))^(1/q) with the equivalent plastic strain p of the step: in p itself
 the slope of the overstress at rest has no bound. Derivation: docs/theory/strain-rate.md.

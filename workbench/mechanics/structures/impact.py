@@ -9,7 +9,7 @@ p - M r a(t) with the rigid displacement r of all dofs for a unit displacement o
 includes point masses, dead loads p stay. The mean acceleration of a step closes the ledger with the
 input energy -r . M (x1 - x0) a (Uang and Bertero 1990, relative energy).
 
-Impact driver: implicit time steps with a unilateral contact at one dof.
+**Second part.** Impact driver: implicit time steps with a unilateral contact at one dof.
 
 The midpoint step x1 = x0 + dt (v0 + v1) / 2 with energy-exact element forces, stresses
 (1 - weight) old + weight new, and Newton's law of restitution in the velocity form of Moreau,

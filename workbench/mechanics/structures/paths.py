@@ -3,7 +3,8 @@
 A pattern of nodal loads and moments is multiplied by the load factor; the dead loads of the
 assembly stay as they are. The work of both is accounted for by the trapezoidal rule.
 
-Arc-length driver: follows equilibrium past limit points of load and of displacement.
+**Second part.** Arc-length driver: follows equilibrium past limit points of load and of
+displacement.
 
 Cylindrical arc length (Crisfield 1981): the increment of the translations has a given length, so
 that load factor and displacements both are free to turn back. Where its iterations do not end, as

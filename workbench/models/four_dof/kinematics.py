@@ -11,7 +11,7 @@ From length l = sqrt(x^2 + v^2) and angle psi = atan2(v, x) of the chord follow 
 e = l - L and the hinge rotations theta_end = psi, theta_mid = b - psi.
 With small rotations e = x - L + v^2 / 2L and psi = v / L.
 
-Bars whose webs yield in shear and slide: forces of a panel over (v, x, b).
+**Second part.** Bars whose webs yield in shear and slide: forces of a panel over (v, x, b).
 
 The sections at the ends of a bar turn by phi, less than the chord by the shear angle d. The
 rotations of the hinges are theta_end = phi and theta_mid = b - phi; phi has no mass and balances
@@ -19,7 +19,8 @@ inside the bar (derivation: docs/theory/shear-panel.md). N acts along the chord 
 stretches the bar, because flanges are continuous, as in a solid. The kinematics stay those above,
 with V l = M_end - M_mid for what turns the chord, so that phi can be eliminated in the projection.
 
-Strength of a bar: two hinges on a yield surface, a panel, or a bar that flows point by point.
+**Third part.** Strength of a bar: two hinges on a yield surface, a panel, or a bar that flows point
+by point.
 """
 
 import numpy as np

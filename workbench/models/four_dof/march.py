@@ -1,8 +1,7 @@
-"""The equations of a midpoint step of the column (Heng 2017, chapter 3), and their solution.
+"""A midpoint step of the impacted column: its equations, their solution, the march (Heng 2017, 3).
 
-And where the column lies at rest before, under a weight.
-
-The impacted column as the impact integrator takes it (Heng 2017, chapter 3).
+`solve` predicts and takes Newton steps on `evaluate`, `accept` commits; `advance` is the march of
+the impact integrator over them, `lie` the column at rest under a weight.
 
 The impact mass m1 moves with v1 and u1, the head mass m2 (may be zero) with u2; beta1 is massless.
 Steps hold the error of the displacement, see `impact.pace`; and hinges that flow, whose

@@ -5,9 +5,10 @@ head (4). Their rotational stiffnesses make the bars the elastic column under a 
 point (`elastic_springs`; the thesis: 6 EI / l of a bar of length l, 3 EI / l at the impact point if
 the bar's other end is pinned); the hinges of a bar share its axial stiffness EA / l. The impact
 mass m1 (a third of the column) sits at the impact point, the head mass at the head. Derivation:
-`kinematics`, `statics`, `equations`, `march`, in this order.
+`kinematics`, `statics`, `march`, in this order.
 
-The two models of two rigid bars: hinges that see N and M, and panels that see V as well.
+**Second part.** The two models of two rigid bars: hinges that see N and M, and panels that see V as
+well.
 """
 
 from dataclasses import dataclass, replace

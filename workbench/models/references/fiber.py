@@ -2,7 +2,8 @@
 
 A column is the frame of its two members. Each reference adds its elements and their section.
 
-Members of a fiber reference: their mesh, what it cannot resolve, joints, and what is read off.
+**Second part.** Members of a fiber reference: their mesh, what it cannot resolve, joints, and what
+is read off.
 
 Every member is graded from the smallest element at both of its ends, where hinges form, to the
 largest one between them. A column is meshed as the frame of its two members.

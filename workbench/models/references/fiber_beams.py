@@ -5,7 +5,7 @@ across it (fibers), rotations are large, steel is elastic-perfectly plastic. Wit
 plasticity localises in single elements: forces and displacements converge to those of hinges of
 zero length, strains do not.
 
-Reference of record: geometrically exact fiber beam, static and under impact.
+**Second part.** Reference of record: geometrically exact fiber beam, static and under impact.
 
 Reissner 1972 and Simo 1985: finite stretch, shear and rotation, one point per linear element,
 fibers across the section. The element samples plasticity half its length inside the member, so
@@ -13,9 +13,9 @@ that resistance converges from above at first order in the length of the smalles
 mesh grows fast from a very small element at every hinge: that error is then small, and a hinge
 that the hardening spreads over millimetres is resolved.
 
-Reference whose webs yield in shear: where beam theory without shear yielding ends.
+**Third part.** Reference whose webs yield in shear: where beam theory without shear yielding ends.
 
-The geometrically exact fiber beam of `fiber_reissner`, with fibers along the shear force (webs,
+The geometrically exact fiber beam, with fibers along the shear force (webs,
 solid sections) that yield under normal and shear stress together, sigma^2 + 3 tau^2 = fy^2, with
 the rate law of the steel on the right where it has one.
 """

@@ -6,7 +6,8 @@ V_b L_b = M_f + M_c(V_b). Chords that turn, the axial force and catenary action 
 have no closed form, so that the curve is the push of the four-DOF column with panels, straight
 between its points.
 
-A resistance curve that the user gives, from tests or a finer model: points in a table.
+**Second part.** A resistance curve that the user gives, from tests or a finer model: points in a
+table.
 
 Crawford et al., Lee et al. and Yu and Guo move one mass on such curves (Heng 2017, chapter 4).
 Between its points the curve is straight and may soften; behind its last one nothing is known.

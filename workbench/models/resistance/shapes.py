@@ -11,7 +11,7 @@ the plastic groups, sigma = sign N on the slopes. At N = N_c the corner holds N 
 faster than chords. Heng 2017, section 5.2, shows the stages in figure 5.5 but no
 formula; see the theory page for the derivation.
 
-Equivalent single degrees of freedom by Biggs: shapes of deflection, integrated.
+**Second part.** Equivalent single degrees of freedom by Biggs: shapes of deflection, integrated.
 
 A member moves as y(x, t) = u(t) phi(x), phi the shape that its load makes statically, 1 at a point
 of reference (Heng 2017, equations 4.1 to 4.6; Biggs 1964, chapter 5). Equal kinetic energy and

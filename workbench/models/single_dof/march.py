@@ -1,8 +1,7 @@
 """The elasto-plastic spring of the single-degree-of-freedom column (Heng 2017, section 5.2).
 
-The envelope of the spring is a resistance curve, `pieces`.
-
-One mass on its spring as the integrator of `workbench.mechanics.impact` takes it.
+The envelope of the spring is a resistance curve, `pieces`. The impact integrator
+(`workbench.mechanics.impact`) follows one mass on it: the smallest example of a march.
 
 The entry `impact` takes energy-conserving midpoint steps, as long as the error allows or equal;
 `pulse` has another. `impacts` follows many columns, with curve, pace and numbers of each. Once the

@@ -4,7 +4,8 @@ Heng 2017, section 5.2: the four-DOF column with a linear yield surface, small r
 axial force gives an explicit force-displacement curve; it serves as the envelope of a
 one-dimensional elasto-plastic law. Mass M_B, a third of the column, meets the striker M_A.
 
-A column on its resistance curve under a force over time: steps, histories, response.
+**Second part.** A column on its resistance curve under a force over time: steps, histories,
+response.
 
 Without a striker, under a force over time,
 

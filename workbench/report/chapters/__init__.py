@@ -1,1 +1,1 @@
-"""The parts of a report, in the order in which they are read."""
+"""The parts of a report; `report.build.document` says in which order they are read."""

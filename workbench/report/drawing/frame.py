@@ -2,13 +2,14 @@
 
 Points and directions are complex numbers, x + iy; z comes towards the viewer, see `on_paper`.
 
-Symbols of structures: supports, springs, arrows, dimension lines, sections.
+**Second part.** Symbols of structures: supports, springs, arrows, dimension lines, sections.
 
 Points are complex numbers, x + iy in the units of the panel. Symbols that stand somewhere take the
 point `at` and the unit vector `out` that leads from the structure into the ground; their own
 points are drawn as seen from there, outwards and i times across.
 
-A frame on paper, in inches: members, supports, dead loads, and the actions of scenarios.
+**Third part.** A frame on paper, in inches: members, supports, dead loads, and the actions of
+scenarios.
 """
 
 from collections.abc import Callable, Iterable, Sequence

@@ -1,6 +1,6 @@
 """Figures from request to drawing: stored answers, panels with legend and notes, numbers.
 
-Charts that verbs draw: pulses on logarithmic axes, a sweep.
+**Second part.** Charts that verbs draw: pulses on logarithmic axes, a sweep.
 """
 
 from __future__ import annotations

@@ -6,7 +6,8 @@
 ``energy``: the ledger of one impact, one panel per label. Option: `case` (default the first that
 has a ledger).
 
-Paths of the hinges in the plane of axial force and moment, with the yield surfaces.
+**Second part.** Paths of the hinges in the plane of axial force and moment, with the yield
+surfaces.
 
 Options: `case` (a name; default the first with hinge forces), `hinges` (names; default the six
 with the largest plastic rotations, or the most forces), `surfaces`: pairs (alpha, beta) drawn

@@ -6,7 +6,8 @@
 ``cost``, options: `quantity` (a scalar, default the first of the study), `against` (a label).
 ``chooser``: ways to choose a model over drawn scenarios.
 
-Maps of the errors of each model over two parameters, or over a parameter and a displacement.
+**Second part.** Maps of the errors of each model over two parameters, or over a parameter and a
+displacement.
 
 ``sweep``: fields over `x` and `y`, small multiples over `facet` (names of case parameters; default
 the first three that vary). Options: `rows` (a parameter for the rows of panels when a single model

@@ -4,12 +4,13 @@ Of a study, or of the tables of fits by their names. Options: `cases`. Of load-s
 case with answers counts; of what is left after damage each case is a row, and every panel carries
 the grade of its evidence.
 
-Tests on studs against what formulas and the mechanical stud predict.
+**Second part.** Tests on studs against what formulas and the mechanical stud predict.
 
 Of a study, or of the tables of fits by their names. Options: `cases`; the first case that a label
 answers counts, tests that its fit had not seen are filled.
 
-The mechanical stud as a picture, to scale, with its parameters and which were calibrated.
+**Third part.** The mechanical stud as a picture, to scale, with its parameters and which were
+calibrated.
 """
 
 import textwrap

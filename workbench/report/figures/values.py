@@ -9,7 +9,8 @@ Option: `quantity` (a scalar, default the first of the study). Made numbers are 
 the first with a budget), `quantity` (default ``peak_displacement``). Of the forms of a budget the
 first is drawn: with the strain rate of the steel.
 
-Rules of plastic interaction, section by section, and where models without shear end.
+**Second part.** Rules of plastic interaction, section by section, and where models without shear
+end.
 
 ``yield-surfaces``: two panels per section, the curves of N and M, and the deviation of their radii
 from the exact ones over the angle atan2(N / N_p, M / M_p).

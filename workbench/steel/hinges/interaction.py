@@ -1,9 +1,9 @@
 """Plastic interaction: super-elliptic N-M surfaces, rules of practice, domains of plates.
 
-Domains: N-M-V of webs, and the exact one of N, My and Mz of a section hit from any side.
-
 A rule gives m = |M|/M_p over n = |N|/N_p: the exact curve of the section, and what practice puts in
-its place. Hinges take it as a convex polyline.
+its place. Hinges with an option `surface` take it as a convex polyline; those of `four-dof` and of
+superelements are super-elliptic, with exponents fitted here (`kernels`). Besides, domains: N-M-V of
+webs, and the exact one of N, My and Mz of a section hit from any side.
 """
 
 from __future__ import annotations

@@ -9,7 +9,8 @@ hinge at each end, or one hinge beside a pin. Backward Euler is the unique minim
 found on the boundary n = S^(1/beta), m = C^(1/alpha), S = sin^2 t, C = cos^2 t, with the
 unknown z = ln tan t, which keeps full relative accuracy at both ends of the quarter curve.
 
-Viscoplastic flow of a section under N, M and V: the whole section, or its flanges and its web.
+**Second part.** Viscoplastic flow of a section under N, M and V: the whole section, or its flanges
+and its web.
 
 A body that flows grows with its overstress. With lambda, its plastic work over its static strength,
 
@@ -23,10 +24,11 @@ of which r is left to carry normal stress. Derivation: docs/theory/strain-rate.m
 
 Forces are over N_p, M_p and V_pl, energies over N_p and the length.
 
-Bars that flow at a rate and harden point by point: backward Euler as one convex problem.
+**Third part.** Bars that flow at a rate and harden point by point: backward Euler as one convex
+problem.
 
 N is constant along a bar, V = (M_1 - M_2) / l too, and M linear, M(xi) = (1 - xi) M_1 + xi M_2.
-With the energy Psi of the flow of a section (`flow_kernels`) a step of dt of a bar with the elastic
+With the energy Psi of the flow of a section a step of dt of a bar with the elastic
 deformations E = (e, theta_1, theta_2) before it flows is
 
     min over S = (N, M_1, M_2) of  S'CS / 2 - E'S + l N_p int Psi(N, M(xi), V) dxi.

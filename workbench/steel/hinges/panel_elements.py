@@ -8,10 +8,11 @@ with the area and the plastic modulus of the section: root fillets are in the fl
 `Section.flange_plates` has them, so that N_p and M_p are met. Derivation and checks:
 docs/theory/strain-rate.md.
 
-Closest-point projection of a panel in equilibrium, V l = M_1 + M_4: an element with 3 forces.
+**Second part.** Closest-point projection of a panel in equilibrium, V l = M_1 + M_4: an element
+with 3 forces.
 
-The forces (N, M_1, M_4) and arguments are those of `pair_kernels`; domain and symbols those of
-`panel_kernels`. The angle d of the panel is one more unknown.
+The forces (N, M_1, M_4) and arguments are those of two hinges in series with a bar,
+domain and symbols those of a panel, both in `panel_kernels`. The angle d of the panel is one more unknown.
 """
 
 from functools import lru_cache

@@ -11,7 +11,8 @@ complementary energy less the work on the deformations (e_N, l d, e_1 - d, e_4 -
 
 Here d is given; `panel_elements` finds it from the equilibrium of the panel.
 
-Closest-point projection of two hinges in series with a bar (Heng 2017, papers III and IV).
+**Second part.** Closest-point projection of two hinges in series with a bar (Heng 2017, papers III
+and IV).
 
 Both hinges share the axial force N; each has its own end moment. With the elastic flexibility
 

@@ -1,12 +1,12 @@
 """A cross section: its name, its shape and what follows from them.
 
-Shapes of cross sections in the plane of bending; heights run from the centroid.
+**Second part.** Shapes of cross sections in the plane of bending; heights run from the centroid.
 
 All are doubly symmetric, so each states the layers of its upper half only. A shape is a sum of
 bands: horizontal slices whose width is a constant plus a circular term. That covers plates, tubes,
 discs and root fillets, so that area and moments are closed forms.
 
-Exact plastic interaction of axial force and moment, and its super-elliptic fit.
+**Third part.** Exact plastic interaction of axial force and moment, and its super-elliptic fit.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Drive a stud: push-out, pull-out, and one after the other.
 
-Calibration of the mechanical model on push-out tests, and what it then predicts.
+**Second part.** Calibration of the mechanical model on push-out tests, and what it then predicts.
 
 What is left of a stud after a pull-out has a band: it runs over the parameters that no test at hand
 tells, all of them at once: what a cone takes from the bearing strength, where it ends, the friction

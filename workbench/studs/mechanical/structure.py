@@ -1,6 +1,7 @@
 """A stud and the concrete around it, for the mechanical model; the studs of a table of tests.
 
-The stud as a fiber beam on a bearing foundation, with its anchorage, as a structure.
+**Second part.** The stud as a fiber beam on a bearing foundation, with its anchorage, as a
+structure.
 
 The stud lies along x, from the flange (x = 0) to the head; u is along x, v along the slip. Besides
 the nodes of the stud there are the flange, which drives v, and the cone of concrete above the head.

@@ -12,7 +12,8 @@ weakly informative half-Cauchy density that Gelman 2006 recommends for few group
 growth of the scatter with the level of the damage. With two campaigns the assumed density would
 decide: nothing is foretold. With one campaign new tests are those of this laboratory alone.
 
-New tests foretold; what is left out, predicted from the others: campaigns, and single tests.
+**Second part.** New tests foretold; what is left out, predicted from the others: campaigns, and
+single tests.
 
 Relations are weighed by it, outliers found, and the influence of every test on the answer.
 """

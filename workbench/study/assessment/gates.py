@@ -2,9 +2,9 @@
 
 `study/verdicts` applies it to stored answers, and says there which cases have none to judge.
 
-Bias and scatter over many cases, with intervals.
+**Second part.** Bias and scatter over many cases, with intervals.
 
-The error budget of an answer: what each source of error leaves open, and the total.
+**Third part.** The error budget of an answer: what each source of error leaves open, and the total.
 
 Terms are changes of the answer on its log scale, where factors add. A term moves the answer by its
 `shift` (a measured bias) and leaves it open by `below` and `above`, half-widths of `COVERAGE`.

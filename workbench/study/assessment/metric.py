@@ -3,7 +3,7 @@
 A metric is computed of what its scope says (`ResponsePair`, `Common`, `Curves`,
 `SingleResponse`); `sides` makes that of two responses, once for all metrics of a scope.
 
-Metrics of two records: histories over time, and curves over displacement.
+**Second part.** Metrics of two records: histories over time, and curves over displacement.
 
 Between its instants a record is linear. Integrals run over the union of both grids, on which both
 are linear from place to place, so that none of them depends on a resampling step.
@@ -137,7 +137,7 @@ METRICS: dict[str, Metric] = {}
 def metric(title: str, scope: Scope, citation: str, **more: Any) -> Callable[[Compute], Metric]:
     """Register a metric in `METRICS`, by the name and first sentence of its function.
 
-    Its module is imported in `assessment/__init__`. Metrics of histories and curves then enter
+    Metrics of histories and curves then enter
     every table of comparisons, those of scalars the gates that name them.
 
     Arguments: those of `Metric`, `more` by name.

@@ -5,7 +5,8 @@ run of the anchor; the second has nothing to do with the model that was asked. I
 drawn scenarios (`workbench data measure`) and is taken by order statistics from those of the same
 cell. Derivation and numbers: docs/theory/error-model.md.
 
-Advice on an answer: the error to expect of it, and the model to take where that is warned of.
+**Second part.** Advice on an answer: the error to expect of it, and the model to take where that is
+warned of.
 
 One order for all scenarios: the anchor of the error model, then the references. A model is named
 only where it is inside its own domain, and only above the model that warns, so that no advice goes

@@ -1,6 +1,7 @@
 """Numbers that describe hits and pulses before a run, and the variants of models.
 
-Tables of the error of the anchor: drawn scenarios of one kind, their features and cells.
+**Second part.** Tables of the error of the anchor: drawn scenarios of one kind, their features and
+cells.
 
 What is expected at a point from measured ones near it is a line through all plus the mean rest
 near. *Source:* Hoerl and Kennard 1970 for the ridge; Vovk, Gammerman and Shafer 2005 for rests

@@ -12,7 +12,8 @@ strain eps = Gamma_1 - y kappa, so that M = -sum(sigma y A).
 Sources: Simo and Hughes 1998, boxes 1.5 and 1.6, section 3.3; Menegotto and Pinto 1973; Filippou
 et al. 1983.
 
-The Bernoulli beam element with fiber sections: local law, group assembly, energy ledger.
+**Second part.** The Bernoulli beam element with fiber sections: local law, group assembly, energy
+ledger.
 
 Symbols: eps = u/L - y (b1 theta_1 + b2 theta_2) with b1 = (6 xi - 4)/L and b2 = (6 xi - 2)/L at
 the point xi along the element; N = sum(sigma A), M = -sum(sigma y A). Source: Heng 2017, 2.1.

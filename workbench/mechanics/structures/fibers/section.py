@@ -4,7 +4,7 @@ The residual stresses of rolled I sections are those of ECCS 1984 (publication 3
 mid-web in compression, the junctions in tension, each plate in equilibrium by itself. Flanges
 are then cut across their width too.
 
-Beams with fiber sections, all elements of a structure in one group.
+**Second part.** Beams with fiber sections, all elements of a structure in one group.
 
 Two local laws: the co-rotational Bernoulli beam, and the geometrically exact beam (Reissner, Simo).
 """

@@ -1,12 +1,13 @@
 """Compiled loops over the elements of the solid: forces, tangents and energies of a step.
 
-Steel at a point of the solid: polar decomposition, plane-stress return, squeeze guard.
+**Second part.** Steel at a point of the solid: polar decomposition, plane-stress return, squeeze
+guard.
 
 Compiled, one point at a time. Tensors are (11, 22, 12), strains with the engineering shear 2 e12;
 deformation gradients and what derives from them (11, 12, 21, 22).
 Source: Simo and Hughes 1998, section 3.4.
 
-The discretised column with its state, as the drivers of structures see it.
+**Third part.** The discretised column with its state, as the drivers of structures see it.
 """
 
 from typing import NamedTuple
