@@ -146,9 +146,10 @@ class FrameModel(ABC, Declared, table="option"):
     (None: by rule); `halvings`, how often steps are halved; `collision_halvings`, see `impact`;
     `largest_error` of the energy ledger over the input energy that an impact may have. Of its bars
     `least_parts` of a struck member, and what their number is a multiple of, `most_parts` of one
-    hit by a striker; `far_parts` of members far from it (of one, mass is at the ends); `euler_share` of a pin-ended bar, below
-    which bars keep its squash load (0: any); whether yielding is `concentrated` in hinges, with
-    none between them. A model of another mesh has its own `structure`, `limits`, `time_spans`.
+    hit by a striker; `far_parts` of members far from it (of one, mass is at the ends);
+    `euler_share` of a pin-ended bar, below which bars keep its squash load (0: any); whether
+    yielding is `concentrated` in hinges, with none between them. A model of another mesh has its
+    own `structure`, `limits`, `time_spans`.
     """
 
     name: ClassVar[str]

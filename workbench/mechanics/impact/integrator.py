@@ -12,8 +12,8 @@ step:
 2. The length is that of the controller (`pace.step_factor`), at most to the next impact
    (`pace.next_step_size`).
 3. `contact_step_of` has the model `solve` the step (predict, then Newton) with contact closed or
-   open, and takes the solution that obeys 0 <= P perp gamma_1 + e gamma_0 >= 0. This decides contact within a step; a
-   model with a `step` of its own decides there.
+   open, and takes the solution that obeys 0 <= P perp gamma_1 + e gamma_0 >= 0. This decides
+   contact within a step; a model with a `step` of its own decides there.
 4. A step in which the gap closes (`pace.contact_time`), whose error is too large
    (`pace.step_factor`), or in which the impact point passes its peak, is taken again, shorter.
    Nothing has been committed so far.

@@ -11,8 +11,8 @@ docs/theory/strain-rate.md.
 **Second part.** Closest-point projection of a panel in equilibrium, V l = M_1 + M_4: an element
 with 3 forces.
 
-The forces (N, M_1, M_4) and arguments are those of two hinges in series with a bar,
-domain and symbols those of a panel, both in `panel_kernels`. The angle d of the panel is one more unknown.
+The forces (N, M_1, M_4) and arguments are those of two hinges in series with a bar, domain and
+symbols those of a panel, both in `panel_kernels`. The angle d of the panel is one more unknown.
 """
 
 from functools import lru_cache

@@ -343,7 +343,7 @@ def straining_part(step, chord, length, rest):
 
 @njit(cache=True, error_model="numpy")
 def add_straining(alpha, chord, length, K):
-    """Add `alpha` times the derivative of what `straining_part` writes to K, see `rotate_blocks`."""
+    """Add `alpha` times the derivative of `straining_part` to K, as `rotate_blocks` fills it."""
     unit, column = np.zeros(12), np.empty(12)
     for j in range(3, 12):
         unit[j] = 1.0
