@@ -17,6 +17,11 @@ HEAVY = (
     *("jinja2", "pydantic", "waitress", "workbench.models", "workbench.scenarios"),
     "workbench.studs",
 )
+NOT_ASKED = (  # of an answer
+    *("scipy.optimize", "scipy.special", "scipy.stats", "matplotlib", "typst", "bokeh", "jinja2"),
+    *("workbench.models.references", "workbench.mechanics.structures.space", "workbench.studs"),
+    *("workbench.study.store", "workbench.study.runner", "workbench.extras", "waitress"),
+)
 
 
 def process(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
@@ -35,16 +40,30 @@ def scenario_file(thesis_impact: ColumnImpact, tmp_path: Path) -> Path:
     return path
 
 
-def test_help_imports_nothing_heavy() -> None:
+def unasked(modules: tuple[str, ...], *arguments: str) -> str:
+    """What the command line prints, after a check that it imported none of the modules."""
     code = (
         "import sys\n"
         "from workbench.cli import run\n"
-        "status = run(['--help'])\n"
-        f"heavy = [name for name in {HEAVY!r} if name in sys.modules]\n"
+        "status = run(sys.argv[1:])\n"
+        f"heavy = [name for name in {modules!r} if name in sys.modules]\n"
         "print('loaded', heavy, status, file=sys.stderr)\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.stderr.strip() == "loaded [] 0"
+    call = [sys.executable, "-c", code, *arguments]
+    done = subprocess.run(call, capture_output=True, text=True)
+    assert done.stderr.splitlines()[-1] == "loaded [] 0"
+    return done.stdout
+
+
+@pytest.mark.parametrize("model", ["four-dof", "energy-estimate"])
+def test_an_answer_imports_only_what_it_takes(model: str, scenario_file: Path) -> None:
+    assert f"by {model}, as asked" in unasked(
+        NOT_ASKED, "simulate", str(scenario_file), "--model", model
+    )
+
+
+def test_help_imports_nothing_heavy() -> None:
+    text = unasked(HEAVY, "--help")
     for verb in (
         "models",
         "simulate",
@@ -66,8 +85,8 @@ def test_help_imports_nothing_heavy() -> None:
         "data",
         "doctor",
     ):
-        assert f"\n  {verb}" in done.stdout
-    assert "..." not in done.stdout.partition("Commands:")[2]
+        assert f"\n  {verb}" in text
+    assert "..." not in text.partition("Commands:")[2]
 
 
 @pytest.mark.parametrize(

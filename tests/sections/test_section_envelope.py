@@ -9,6 +9,7 @@ from workbench.steel.sections import (
     Section,
     circular_tube,
     find,
+    i_section,
     plate,
     rectangle,
     rectangular_tube,
@@ -99,6 +100,14 @@ def test_residual_of_the_fit() -> None:
     assert np.abs(error).max() == pytest.approx(0.028, abs=6e-4)
     equal = least_squares(lambda e: superellipse(e[0], e[0]) - np.hypot(n, m), [1.3]).x[0]
     assert equal == pytest.approx(1.128, abs=3.3e-4)  # measured 1.6e-4
+
+
+def test_fit_of_both_exponents_is_that_of_another_solver() -> None:
+    section = i_section(1.32, 0.12, 0.025, 0.09).about("weak")
+    n, m = section.interaction_envelope()
+    other = least_squares(lambda e: superellipse(*e) - np.hypot(n, m), [1.4, 2.4])
+    assert min(other.x) > 1.4
+    assert section.interaction_fit() == pytest.approx(other.x, abs=1e-5)  # measured 5e-6
 
 
 @pytest.mark.parametrize("section", [square(0.2), plate(0.2, 0.01)])

@@ -26,7 +26,7 @@ __all__ = ["KernelCache", "cache_folder", "njit", "register_jitable", "sources",
 _ROOT = Path(__file__).resolve().parents[1]
 _IMPORTS = re.compile(r"^\s*from (workbench[\w.]*) import (\([^)]*\)|[^\n]*)", re.MULTILINE)
 _KERNELS = re.compile(r"^from (numba|workbench\.base\.compiled)\b", re.MULTILINE)
-_TYPES = re.compile(r"^class (\w+)\(NamedTuple\)", re.MULTILINE)
+_TYPES = re.compile(r"\nclass (\w+)\(NamedTuple\)")
 # A first call may compile kernels; answers that take less than this are timed by a second call.
 TIMED_AGAIN_BELOW = 180.0  # s
 _KEPT = 8  # folders of a file, of older contents and of other installations too
@@ -97,8 +97,11 @@ def _types() -> str:
 
 
 @cache
-def _folder(path: Path) -> Path:
-    """Folder of the kernels of a file; folders of its earlier contents are removed."""
+def _folder(file: str) -> Path | None:
+    """Folder of the kernels of a file, whose earlier ones are removed; None for others' files."""
+    path = Path(file).resolve()
+    if _ROOT not in path.parents:
+        return None
     digest = hashlib.sha256(_types().encode())
     for place in sorted(sources(path)):
         digest.update(f"{place.relative_to(_ROOT)}\n{_text(place)}\n".encode())
@@ -116,16 +119,12 @@ class KernelCache(UserProvidedCacheLocator):
 
     def __init__(self, py_func: Any, py_file: str) -> None:
         self._py_file, self._lineno = py_file, py_func.__code__.co_firstlineno
-        self._cache_path = str(_folder(Path(py_file).resolve()))
+        self._cache_path = str(_folder(py_file))
 
     @classmethod
     def from_function(cls, py_func: Any, py_file: str) -> "KernelCache | None":
         """The place for a function, None for one of another package."""
-        if _ROOT not in Path(py_file).resolve().parents:
-            return None
-        locator = cls(py_func, py_file)
-        locator.ensure_cache_path()
-        return locator
+        return cls(py_func, py_file) if _folder(py_file) else None
 
 
 CacheImpl._locator_classes.insert(0, KernelCache)

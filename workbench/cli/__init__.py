@@ -32,13 +32,14 @@ DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit: 0 done, 1 a gate or a cell failed, 2 bad input.
 
-    Bad input is one line on the error stream, without a traceback. An interrupt (Ctrl-C) ends
-    with 130.
+    Bad input is one line on the error stream, without a traceback; an interrupt ends with 130.
     """
-    gc.set_threshold(100_000)  # imports make many objects that stay: to go through them takes long
+    gc.set_threshold(500_000)  # imports make many objects that stay: to go through them takes long
     _prepare()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # else deaf beside a shell
-    sys.exit(run(sys.argv[1:] if arguments is None else arguments))
+    status = run(sys.argv[1:] if arguments is None else arguments)
+    gc.freeze()  # else the end of the process goes through all of them, several times
+    sys.exit(status)
 
 
 def run(arguments: Sequence[str]) -> int:

@@ -343,7 +343,7 @@ class CircularTube(Shape):
         return (Layers(bands, tuple(outer * sin(angle) for angle in angles)),)
 
 
-_LARGEST_EXPONENT = 20.0
+_LARGEST_EXPONENT, _MOST_STEPS = 20.0, 100
 
 
 def envelope(shape: Shape, points: int) -> tuple[Array, Array]:
@@ -409,21 +409,21 @@ def fit_superellipse(shape: Shape, points: int = 181) -> tuple[float, float]:
     Least squares of the radii at equally spaced angles of the (n, m) plane, both exponents kept
     at 1 or above (below 1 the surface is not convex). Raises `SolverError`.
     """
-    from scipy.optimize import least_squares
-
     n, m = envelope(shape, points)
-    radius, angle = np.hypot(n, m), np.linspace(0.0, np.pi / 2.0, points)
-
-    def error(exponents: Array) -> Array:
-        return superellipse_radius(angle, exponents[0], exponents[1]) - radius
-
-    bounds = ([1.0, 1.0], [_LARGEST_EXPONENT, _LARGEST_EXPONENT])
-    fit = least_squares(error, (1.2, 1.6), bounds=bounds, xtol=1e-12, ftol=1e-14, gtol=1e-12)
-    if not fit.success:
-        raise SolverError("super-elliptic fit", float(fit.optimality), "trust region")
-    # The solver stays a rounding error inside its bounds; a linear exponent means exactly 1.
-    alpha, beta = (1.0 if x < 1.0 + 1e-9 else float(x) for x in fit.x)
-    return alpha, beta
+    angle = np.linspace(0.0, np.pi / 2.0, points)
+    exponents = np.array([1.2, 1.6])
+    for _ in range(_MOST_STEPS):  # of Gauss and Newton: scipy.optimize takes longer to import
+        radius = superellipse_radius(angle, *exponents)
+        sides = np.maximum(radius * (np.cos(angle), np.sin(angle)), 1e-99)
+        powers = sides ** exponents[:, None]
+        slopes = -radius * powers * np.log(sides) / (exponents @ powers)
+        off = np.hypot(n, m) - radius
+        free = np.clip(exponents + slopes @ off, 1.0, _LARGEST_EXPONENT) != exponents
+        step = np.linalg.lstsq((slopes * free[:, None]).T, off)[0]
+        last, exponents = exponents, np.clip(exponents + step, 1.0, _LARGEST_EXPONENT)
+        if np.abs(exponents - last).max() < 1e-12:
+            return float(exponents[0]), float(exponents[1])
+    raise SolverError("super-elliptic fit", float(np.abs(off).max()), "steps of Gauss and Newton")
 
 
 AXES = ("strong", "weak")

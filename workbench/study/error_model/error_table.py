@@ -186,7 +186,7 @@ class LocalMean:
         place = self._standard(point)
         distances = np.linalg.norm(self._places - place, axis=1)
         distances[distances == 0.0] = np.inf
-        near = np.argsort(distances, kind="stable")[: min(NEAREST, len(distances) - 1)]
+        near = np.argsort(distances)[: min(NEAREST, len(distances) - 1)]
         weights = 1.0 - (distances[near] / distances[near[-1]]) ** 2 + 1e-9
         line = float(self._with_one(place) @ self._line)
         return line + float(weights @ self._off[near] / weights.sum())
