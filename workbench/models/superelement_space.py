@@ -76,7 +76,7 @@ class SuperelementSpace(SpaceModel):
                     torsion=twist_stiffness(section, steel),
                     hinge_stiffness=self.hinge_stiffness,
                     mass=strong.mass_per_length,
-                    rotary=strong.mass_per_length * strong.second_moment / strong.area,
+                    rotary=strong.rotary_inertia,
                 )
             )
             ends = mesh.first[number], mesh.first[number + 1] - 1

@@ -25,6 +25,7 @@ from workbench.mechanics.frames.members import (
     check_layers,
     eventful,
     fiber_overrides,
+    fiber_section,
     named,
 )
 from workbench.mechanics.frames.structure import (
@@ -35,7 +36,8 @@ from workbench.mechanics.frames.structure import (
 )
 from workbench.mechanics.structures.assembly import PlanarAssembly, graded_lengths, halved
 from workbench.mechanics.structures.elements import JointSprings
-from workbench.mechanics.structures.fibers import FiberElements
+from workbench.mechanics.structures.fibers import BeamSection, FiberElements
+from workbench.mechanics.structures.fibers.section import Law, LinearHardening
 from workbench.models.base import respond
 from workbench.models.frame_model import FrameModel, as_frame
 from workbench.models.references.refine import (
@@ -54,8 +56,10 @@ from workbench.scenarios import (
     FrameImpact,
     FrameScenario,
     FrameStatic,
+    Member,
     Scenario,
 )
+from workbench.steel.materials import Steel
 
 # of the longest member; travelling hinges pass through inner elements
 LARGEST_SHARE_IN_DYNAMICS = 1.0 / 40.0
@@ -413,6 +417,19 @@ class FiberReference(FrameModel):
     @abstractmethod
     def fibers(self, frame: Frame, mesh: FrameMesh) -> FiberElements:
         """The elements of a mesh."""
+
+    def sections(self, frame: Frame) -> list[BeamSection]:
+        """The fibers of every member."""
+        return [self.section(frame, member) for member in frame.members]
+
+    def section(self, frame: Frame, member: Member) -> BeamSection:
+        """The fibers of a member."""
+        law, sheared = self.law(frame.steel), self.shear_flexible
+        return fiber_section(frame, member, self.layers, law, self.residual_stress, sheared=sheared)
+
+    def law(self, steel: Steel) -> Law:
+        """The law of the fibers."""
+        return LinearHardening.of(steel, self.hardening_ratio)
 
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings common to all member models that fibers do not follow, then `limits`."""

@@ -22,7 +22,6 @@ from workbench.mechanics.frames.structure import (
     free_to_spin,
     in_space,
 )
-from workbench.mechanics.structures.fibers.section import LinearHardening
 from workbench.mechanics.structures.space import (
     SpaceAssembly,
     SpaceBeams,
@@ -297,9 +296,7 @@ class FiberSpace(SpaceModel, FiberReference):
     def bars(self, placed: Placed) -> SpaceBeams:
         """Co-rotational beams with fibers in both directions."""
         frame, mesh = placed.frame, placed.mesh
-        steel, fibers = frame.steel, []
-        hardening = steel.hardening_modulus or self.hardening_ratio * steel.elastic_modulus
-        law = LinearHardening(steel.elastic_modulus, steel.yield_stress, hardening, rate=steel.rate)
+        law, fibers = self.law(frame.steel), []
         for member in frame.members:
             section = frame.strength_section(member).about("strong")
             places = space_fibers(section, self.layers)
@@ -310,7 +307,7 @@ class FiberSpace(SpaceModel, FiberReference):
                     law=law,
                     mass_per_length=frame.properties(member).mass_per_length,
                     z=places.z,
-                    torsion=twist_stiffness(section, steel),
+                    torsion=twist_stiffness(section, frame.steel),
                 )
             )
         return SpaceBeams(mesh.nodes, mesh.member, fibers, placed.heights, axes=placed.axes)
