@@ -183,7 +183,6 @@ class ExactBeams(FiberReference):
     )
 
     sampled: ClassVar[float] = 0.5
-    beams: ClassVar[type[ReissnerBeams]] = ReissnerBeams
 
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings common to all fiber references, and refusals of options."""
@@ -204,7 +203,7 @@ class ExactBeams(FiberReference):
 
     def fibers(self, frame: Frame, mesh: FrameMesh) -> ReissnerBeams:
         """Geometrically exact beams."""
-        return self.beams(mesh.nodes, mesh.member, self.sections(frame))
+        return ReissnerBeams(mesh.nodes, mesh.member, self.sections(frame))
 
 
 @dataclass(frozen=True)

@@ -48,6 +48,7 @@ from workbench.scenarios import (
     FrameImpact,
     FramePulse,
     FrameScenario,
+    Member,
 )
 from workbench.scenarios.frame_events import azimuth, facing
 from workbench.scenarios.parts import HELD_BESIDE, PINNED, RIGID
@@ -296,18 +297,13 @@ class FiberSpace(SpaceModel, FiberReference):
     def bars(self, placed: Placed) -> SpaceBeams:
         """Co-rotational beams with fibers in both directions."""
         frame, mesh = placed.frame, placed.mesh
-        law, fibers = self.law(frame.steel), []
-        for member in frame.members:
-            section = frame.strength_section(member).about("strong")
-            places = space_fibers(section, self.layers)
-            fibers.append(
-                SpaceSection(
-                    y=places.y,
-                    area=places.area,
-                    law=law,
-                    mass_per_length=frame.properties(member).mass_per_length,
-                    z=places.z,
-                    torsion=twist_stiffness(section, frame.steel),
-                )
-            )
-        return SpaceBeams(mesh.nodes, mesh.member, fibers, placed.heights, axes=placed.axes)
+        sections = [self.section(frame, member) for member in frame.members]
+        return SpaceBeams(mesh.nodes, mesh.member, sections, placed.heights, axes=placed.axes)
+
+    def section(self, frame: Frame, member: Member) -> SpaceSection:
+        """The fibers of a member in both directions."""
+        section = frame.strength_section(member).about("strong")
+        fibers, twist = space_fibers(section, self.layers), twist_stiffness(section, frame.steel)
+        mass = frame.properties(member).mass_per_length
+        given: Any = {**fibers._asdict(), "mass_per_length": mass, "torsion": twist}
+        return SpaceSection(law=self.law(frame.steel), **given)
