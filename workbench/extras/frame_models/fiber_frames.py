@@ -27,7 +27,6 @@ from workbench.extras.frame_models.hinged_frames import SHEAR_FLEXIBLE, plastic_
 from workbench.mechanics.frames.members import (
     CALIBRATED,
     LAYERS,
-    check_layers,
     fiber_overrides,
     fiber_section,
     residual_findings,
@@ -106,10 +105,6 @@ class ForceBasedBeam(FrameModel):
         *FIBERS,
     )
 
-    def check(self) -> None:
-        """Refuse an odd number of layers."""
-        check_layers(self)
-
     def limits(self, event: FrameScenario) -> list[Finding]:
         """Also of overrides that fibers leave out."""
         return super().limits(event) + fiber_overrides(event.frame, self.layers)
@@ -140,10 +135,6 @@ class FiberHinge(FrameModel):
         "never yields.",
         *FIBERS,
     )
-
-    def check(self) -> None:
-        """Refuse an odd number of layers."""
-        check_layers(self)
 
     def limits(self, event: FrameScenario) -> list[Finding]:
         """Also of overrides that fibers leave out."""

@@ -105,13 +105,8 @@ SOLID_BOUND = 0.45  # V/Vpl at which a solid square has lost that, study `shear_
 
 
 CALIBRATED = 40  # layers of the fibers that hinges and surfaces are calibrated on
-LAYERS = Number(4, 1000, integer=True)  # of fibers over the depth of a section
-
-
-def check_layers(model: Any) -> None:
-    """Refuse an odd number of `layers` of a model. Raises `InputError`."""
-    if model.layers % 2:
-        raise model.refusal("layers", "must be even", "an odd number loses moment")
+# of fibers over the depth of a section
+LAYERS = Number(4, 1000, integer=True, even=True, advice="an odd number loses moment")
 
 
 def fiber_section(

@@ -22,7 +22,6 @@ from workbench.mechanics.frames.elastic import Spans, line_wave_times, spans_to,
 from workbench.mechanics.frames.members import (
     LAYERS,
     chains,
-    check_layers,
     eventful,
     fiber_overrides,
     fiber_section,
@@ -401,8 +400,7 @@ class FiberReference(FrameModel):
     concentrated: ClassVar[bool] = False
 
     def check(self) -> None:
-        """Refuse layers and levels that do not fit."""
-        check_layers(self)
+        """Refuse levels that do not fit."""
         check_levels(self.refinement, self.levels)
 
     @abstractmethod
