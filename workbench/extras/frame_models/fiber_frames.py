@@ -48,7 +48,7 @@ LOSES = (
     "the super-ellipse is some percent off the section there, on laden members up to a quarter of "
     "the peak"
 )
-LAYER_COUNT = partial(checked, LAYERS, 20, help="over the depth, an even number")
+LAYER_COUNT = partial(checked, LAYERS, 20, help="over the depth")
 HARDENING_RATIO = partial(
     checked, Number(1e-9, 0.1), 1e-6, help="kinematic hardening over the elastic modulus"
 )

@@ -370,7 +370,7 @@ class FiberReference(FrameModel):
     largest_element: float | None = checked(
         Number(1e-4, 100.0, "m"), optional=True, help="None: by rule"
     )
-    layers: int = checked(LAYERS, 20, help="over the depth, an even number")
+    layers: int = checked(LAYERS, 20, help="over the depth")
     time_step: float | None = checked(
         Number(1e-8, 1e-2, "s"),
         optional=True,

@@ -267,7 +267,7 @@ class FiberSpace(SpaceModel, FiberReference):
     hardening_ratio: float = checked(
         Number(1e-9, 0.1), 1e-6, help="regularising hardening over the elastic modulus"
     )
-    layers: int = checked(LAYERS, 12, help="over the depth and across flanges, an even number")
+    layers: int = checked(LAYERS, 12, help="over the depth and across flanges")
     refinement: int = checked(REFINEMENT, 1, help="how often all elements and steps are halved")
 
     name: ClassVar[str] = "fiber-space"
