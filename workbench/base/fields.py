@@ -54,9 +54,11 @@ class Number(Rule):
     low_included: bool = True
     integer: bool = False
     advice: str = ""
+    even: bool = False  # of whole ones
 
     def _allowed(self) -> str:
         kind = "a whole number" if self.integer else "a number"
+        kind = "an even number" if self.even else kind
         unit = f" {self.unit}" if self.unit else ""
         least = "from" if self.low_included else "above"
         return f"{kind} {least} {self.low:g} to {self.high:g}{unit}"
@@ -70,7 +72,8 @@ class Number(Rule):
         if isinstance(value, float) and not math.isfinite(value):
             raise self._refusal(path, value, "the number must be finite")
         # Compared as it is: whole numbers may lie beyond all floats.
-        if not self.holds(value) or (self.integer and value != int(value)):
+        whole = not self.integer or value % (2 if self.even else 1) == 0
+        if not self.holds(value) or not whole:
             raise self._refusal(path, value)
         return int(value) if self.integer else float(value) + 0.0  # 0.0, not -0.0: they are equal
 

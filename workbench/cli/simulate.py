@@ -118,7 +118,7 @@ def simulate(
     if model and len(model) > 1:
         objects = [as_object(each, given) for each in answers.values()]
         both = {"scenario": given.name, "models": objects}
-        return Answer(both, _table(compared, objects), status, {"picture": picture})
+        return Answer(both, _table(compared), status, {"picture": picture})
     content = as_object(first, given)
     other = named[reference] if len(named) > 1 else None
     content["reference"] = None if other is None else as_object(other, given)
@@ -189,8 +189,8 @@ def time_of(response: Response) -> Cell:
     return Cell(duration(response.attrs["wall_time"]), response.attrs["wall_time"])
 
 
-def _table(compared: Comparison, objects: list[dict[str, Any]]) -> Iterator[Block]:
-    """Several answers, as JSON holds them, as one table, their warnings below."""
+def _table(compared: Comparison) -> Iterator[Block]:
+    """Several answers as one table, their warnings below."""
     from workbench.api.accessor import TABLED, fate_of
     from workbench.report.page.formatting import quantities
     from workbench.responses import error_of, findings_of
@@ -202,7 +202,7 @@ def _table(compared: Comparison, objects: list[dict[str, Any]]) -> Iterator[Bloc
         "error of the peak": lambda row: str(error_of(compared[row["model"]])),
         "wall time": lambda row: time_of(compared[row["model"]]),
     }
-    yield Table.of("models", compared.scenario.name, columns, objects)
+    yield Table.of("models", compared.scenario.name, columns, compared.table)
     for label, response in compared.responses.items():
         findings = sorted(findings_of(response), key=lambda finding: not finding.refusal)
         yield from warnings(findings, f" of {label}")

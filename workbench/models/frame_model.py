@@ -172,6 +172,8 @@ class FrameModel(ABC, Declared, table="option"):
     time_step: float | None
     regularisation: float
     geometry: str
+    shear_flexible: bool = True
+    residual_stress: str = "none"
 
     @property
     @abstractmethod
@@ -188,7 +190,7 @@ class FrameModel(ABC, Declared, table="option"):
         """Whether equilibrium is that of the undeformed structure."""
         return self.geometry == "linear"
 
-    def group(self, frame: Frame, cut: Cut) -> HingedElements:
+    def group(self, cut: Cut) -> HingedElements:
         """The bars of the pieces into which the members of a frame are cut."""
         raise NotImplementedError
 
@@ -380,11 +382,10 @@ def _standing(
 ) -> FrameStructure:
     """The frame of so many bars of every member, or `column`, under its dead loads."""
     cut = cut_members(frame, parts)
-    group = model.group(frame, cut)
+    group = model.group(cut)
     members = SuperelementMembers(group, cut.coordinates, parts)
-    inertia = joint_inertias(cut.nodes, cut.pieces)
     assembly = PlanarAssembly(cut.coordinates, [group])
-    structure = apply_dead_loads(frame, assembly, members, rotary_inertia=inertia)
+    structure = apply_dead_loads(frame, assembly, members, rotary_inertia=joint_inertias(cut))
     if frame.steel.rate is not None and (share := group.envelope_share()) >= 1.0:
         raise out_of_domain("bars-at-rest", share=share)
     return as_column(structure) if column else structure

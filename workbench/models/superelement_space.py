@@ -7,12 +7,9 @@ the section at both ends, steps that hold energy exactly.
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
 from workbench.base.fields import Number, checked
-from workbench.mechanics.frames.members import twist_stiffness
 from workbench.mechanics.frames.structure import FrameStructure
-from workbench.mechanics.structures.space import SpaceBar, SpaceSuperelements
+from workbench.mechanics.structures.space import SpaceSuperelements
 from workbench.models.frame_model import (
     ELEMENTS,
     REGULARISATION,
@@ -23,7 +20,6 @@ from workbench.models.references.fiber_space import Placed, SpaceModel
 from workbench.models.superelements import SHARE, march
 from workbench.responses import Response
 from workbench.scenarios import FrameImpact
-from workbench.steel.hinges.interaction import surface_in_space
 
 
 @dataclass(frozen=True)
@@ -62,26 +58,6 @@ class SuperelementSpace(SpaceModel):
 
     def bars(self, placed: Placed) -> SpaceSuperelements:
         """The superelements of a frame in space."""
-        frame, mesh = placed.frame, placed.mesh
-        steel, modulus, bars = frame.steel, frame.steel.elastic_modulus, []
-        pinned = np.zeros((len(mesh.nodes), 2), dtype=bool)
-        for number, member in enumerate(frame.members):
-            section = frame.strength_section(member).about("strong")
-            strong, weak = frame.about_both(member)
-            bars.append(
-                SpaceBar(
-                    surface=surface_in_space(section),
-                    strength=(strong.squash_load, strong.plastic_moment, weak.plastic_moment),
-                    axial=modulus * strong.area,
-                    bending=(modulus * strong.second_moment, modulus * weak.second_moment),
-                    torsion=twist_stiffness(section, steel),
-                    hinge_stiffness=self.hinge_stiffness,
-                    mass=strong.mass_per_length,
-                    rotary=strong.mass_per_length * strong.second_moment / strong.area,
-                )
-            )
-            ends = mesh.first[number], mesh.first[number + 1] - 1
-            for side, joint in enumerate(frame.joints_of(member)):
-                pinned[ends[side], side] = joint.rotational_stiffness == 0.0
-        given = mesh.nodes, mesh.member, bars, mesh.lengths, placed.heights, placed.axes
-        return SpaceSuperelements(*given, self.regularisation, pinned)
+        mesh = placed.mesh
+        given = placed.frame, mesh.nodes, mesh.member, mesh.lengths, placed.heights, placed.axes
+        return SpaceSuperelements(*given, self.hinge_stiffness, self.regularisation)

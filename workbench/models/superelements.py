@@ -228,17 +228,17 @@ class SuperelementModel(FrameModel):
     def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
         return march(self, scenario, structure, clock.timed)
 
-    def group(self, frame: Frame, cut: Cut) -> Superelements:
+    def group(self, cut: Cut) -> Superelements:
         """The superelements of pieces of members."""
-        surfaces = {m.name: ellipse(self, frame, m) for m in frame.members}
-        yielding, elements = webs_of(self, frame).yielding, []
+        frame, elements = cut.frame, []
+        yielding = webs_of(self, frame).yielding
         laws = laws_of(self, frame, yielding)
         for piece in cut.pieces:
-            name, section = piece.member.name, frame.strength_section(piece.member)
-            first, last = (joint_surface(surfaces[name], j) for j in piece.joints)
-            whole, law = bool(laws) or first == last == surfaces[name], laws.get(name)
+            name, surface = piece.member.name, ellipse(self, frame, piece.member)
+            first, last = (joint_surface(surface, joint) for joint in piece.joints)
+            whole, law = bool(laws) or first == last == surface, laws.get(name)
             deforms = self.shear in (("panel", "elastic") if whole else ("elastic",))
-            web = web_of(section, frame.steel) if deforms else None
+            web = web_of(piece.section, frame.steel) if deforms else None
             yields = yielding[name] is not None
             elements.append(
                 replace(self._bar(piece, (first, last)), web=web, web_yields=yields, law=law)
@@ -296,8 +296,8 @@ class RigidSuperelement(SuperelementModel):
         axial = 2.0 * piece.axial / piece.length
         return Superelement(
             *hinge_ends(piece, surfaces, axial, bending),
-            mass_per_length=piece.mass,
-            rotary_inertia=piece.rotary,
+            mass_per_length=piece.properties.mass_per_length,
+            rotary_inertia=piece.properties.rotary_inertia,
             rotation_inertia=self.inertia,
         )
 
@@ -335,5 +335,5 @@ class FlexibleSuperelement(SuperelementModel):
             axial_stiffness=piece.axial,
             bending_stiffness=piece.bending,
             flexible=True,
-            mass_per_length=piece.mass,
+            mass_per_length=piece.properties.mass_per_length,
         )

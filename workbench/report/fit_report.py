@@ -233,7 +233,7 @@ def _tests(head: Head, tables: Tables, rows: pd.DataFrame, folder: str) -> Itera
         columns = [_column(name, rows[name].dtype == float) for name in part]
         more = "" if start == 0 else ", further columns"
         caption = f"The tests as they stand in the table{more}; a dash is not reported."
-        yield Table.of(f"tests-{start}", caption, columns, rows.to_dict("records"), _PRINTED)
+        yield Table.of(f"tests-{start}", caption, columns, rows, _PRINTED)
 
 
 def _title(name: str) -> str:
@@ -269,4 +269,4 @@ def _curves(tables: Tables) -> Table:
     rows = rows.merge(misfits.add_prefix("misfit, ").reset_index(), on="specimen")
     columns = [_column(str(name), name != "specimen") for name in rows.columns]
     caption = "The curves that were fitted; misfit of the load over its largest value."
-    return Table.of("curves", caption, columns, rows.to_dict("records"), _PRINTED)
+    return Table.of("curves", caption, columns, rows, _PRINTED)

@@ -54,7 +54,8 @@ class MemberProperties:
     """Section values of a member with the overrides of the scenario.
 
     `area` (m2) and `second_moment` (m4) are elastic; `plastic_moment` (N m), `squash_load` and
-    `shear_resistance` (N) are strengths; `mass_per_length` (kg/m), `impact_mass` (kg).
+    `shear_resistance` (N) are strengths; `mass_per_length` (kg/m), `impact_mass` (kg); its
+    `rotary_inertia` is per length (kg m).
     """
 
     area: float
@@ -64,6 +65,11 @@ class MemberProperties:
     shear_resistance: float
     mass_per_length: float
     impact_mass: float
+
+    @property
+    def rotary_inertia(self) -> float:
+        """Mass per length times the square of the radius of gyration."""
+        return self.mass_per_length * self.second_moment / self.area
 
     @property
     def strength(self) -> tuple[float, ...]:

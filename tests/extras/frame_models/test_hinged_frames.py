@@ -254,7 +254,7 @@ def guided(push: float) -> FrameStatic:
 
 def test_spread_of_yield_of_a_rectangle_is_the_closed_form() -> None:
     frame = guided(0.1).frame
-    first, rotation, share = spread_of_yield(fiber_section(frame, frame.members[0], 400, 0.0))
+    first, rotation, share = spread_of_yield(fiber_section(frame, frame.members[0], 400))
     assert first == pytest.approx(2.0 / 3.0, rel=0.01)
     for m in (0.8, 0.9, 0.98):
         # kappa / kappa_y = 1 / sqrt(3 - 3 m) less 3 m / 2, times m, integrated from 2/3 on

@@ -7,7 +7,6 @@ sharp hinges on members that N softens (Ziemian and McGuire). Derivation:
 docs/theory/frame-models.md.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from math import sqrt
@@ -28,13 +27,12 @@ from workbench.extras.frame_models.hinged_frames import SHEAR_FLEXIBLE, plastic_
 from workbench.mechanics.frames.members import (
     CALIBRATED,
     LAYERS,
-    check_layers,
     fiber_overrides,
     fiber_section,
     residual_findings,
 )
 from workbench.mechanics.frames.structure import Cut
-from workbench.mechanics.structures.fibers import PATTERNS, BeamSection, section_fibers
+from workbench.mechanics.structures.fibers import PATTERNS, BeamSection
 from workbench.mechanics.structures.fibers.section import LinearHardening, yielding_in_bending
 from workbench.models.frame_model import ELEMENTS, GEOMETRY, REGULARISATION, TIME_STEP, FrameModel
 from workbench.responses import Finding
@@ -50,7 +48,7 @@ LOSES = (
     "the super-ellipse is some percent off the section there, on laden members up to a quarter of "
     "the peak"
 )
-LAYER_COUNT = partial(checked, LAYERS, 20, help="over the depth, an even number")
+LAYER_COUNT = partial(checked, LAYERS, 20, help="over the depth")
 HARDENING_RATIO = partial(
     checked, Number(1e-9, 0.1), 1e-6, help="kinematic hardening over the elastic modulus"
 )
@@ -71,13 +69,12 @@ RESULTANTS = (
 
 
 def fiber_group(
-    model: "ForceBasedBeam | FiberHinge", frame: Frame, cut: Cut, rules: list[Quadrature]
+    model: "ForceBasedBeam | FiberHinge", cut: Cut, rules: list[Quadrature]
 ) -> BarElements:
     """Elements with fibers at the points of their rules, which give the elastic stiffness too."""
-    bars = plastic_bars(model, frame, cut)
-    sections, elastic = [], []
-    for piece, bar in zip(cut.pieces, bars, strict=True):
-        section = fiber_section(frame, piece.member, model.layers, model.hardening_ratio)
+    law, sections, elastic = LinearHardening.of(cut.frame.steel, model.hardening_ratio), [], []
+    for piece, bar in zip(cut.pieces, plastic_bars(model, cut), strict=True):
+        section = fiber_section(cut.frame, piece.member, model.layers, law)
         axial = float(section.law.elastic_modulus * section.area.sum())
         bending = axial * section.radius_squared
         sections.append(section)
@@ -108,17 +105,13 @@ class ForceBasedBeam(FrameModel):
         *FIBERS,
     )
 
-    def check(self) -> None:
-        """Refuse an odd number of layers."""
-        check_layers(self)
-
     def limits(self, event: FrameScenario) -> list[Finding]:
         """Also of overrides that fibers leave out."""
         return super().limits(event) + fiber_overrides(event.frame, self.layers)
 
-    def group(self, frame: Frame, cut: Cut) -> BarElements:
+    def group(self, cut: Cut) -> BarElements:
         """Elements with fibers at Gauss-Lobatto points."""
-        return fiber_group(self, frame, cut, [lobatto_rule(self.points)] * len(cut.pieces))
+        return fiber_group(self, cut, [lobatto_rule(self.points)] * len(cut.pieces))
 
 
 @dataclass(frozen=True)
@@ -143,41 +136,29 @@ class FiberHinge(FrameModel):
         *FIBERS,
     )
 
-    def check(self) -> None:
-        """Refuse an odd number of layers."""
-        check_layers(self)
-
     def limits(self, event: FrameScenario) -> list[Finding]:
         """Also of overrides that fibers leave out."""
         return super().limits(event) + fiber_overrides(event.frame, self.layers)
 
-    def group(self, frame: Frame, cut: Cut) -> BarElements:
+    def group(self, cut: Cut) -> BarElements:
         """Elements with fibers at both ends, at most an eighth of the length each."""
         depths = [self.hinge_length * p.member.section.height / p.length for p in cut.pieces]
-        return fiber_group(self, frame, cut, [hinge_rule(depth) for depth in depths])
+        return fiber_group(self, cut, [hinge_rule(depth) for depth in depths])
 
 
-def resultant_group(
-    model: "BoundingSurface | ModifiedTangentModulus",
-    frame: Frame,
-    cut: Cut,
-    law: Callable[[Frame, Member], tuple[float, float, float, bool]],
-) -> BarElements:
-    """Elements whose sections are a law of N and M; two fibers each stand for their EA and EI.
-
-    Argument: `law` of a member, entries `inner`, `lag`, `minor` and `softens` of RESULTANT.
-    """
-    steel, sections, rows = frame.steel, [], []
-    bars = plastic_bars(model, frame, cut, partial(plastic_end, rule="super-ellipse"))
-    laws = {member.name: law(frame, member) for member in frame.members}
+def resultant_group(model: "BoundingSurface | ModifiedTangentModulus", cut: Cut) -> BarElements:
+    """Elements whose sections are a law of N and M; two fibers each stand for their EA and EI."""
+    steel, sections, rows = cut.frame.steel, [], []
+    bars = plastic_bars(model, cut, partial(plastic_end, rule="super-ellipse"))
+    laws = {member.name: model.law(cut.frame, member) for member in cut.frame.members}
     elastic = LinearHardening(steel.elastic_modulus, steel.yield_stress)
     for piece, bar in zip(cut.pieces, bars, strict=True):
-        p = frame.properties(piece.member)
+        p = piece.properties
         radius = sqrt(p.second_moment / p.area)
         pair = np.array([-radius, radius]), np.full(2, 0.5 * p.area)
-        sections.append(BeamSection(*pair, elastic, piece.mass))
+        sections.append(BeamSection(*pair, elastic, p.mass_per_length))
         stiffness = bar.axial_stiffness, bar.bending_stiffness
-        exponents = frame.strength_section(piece.member).interaction_fit()
+        exponents = piece.section.interaction_fit()
         surface = p.squash_load, p.plastic_moment, *exponents
         rows.append((*stiffness, *surface, model.regularisation, *laws[piece.member.name]))
     rules = [lobatto_rule(model.points)] * len(bars)
@@ -220,16 +201,13 @@ class BoundingSurface(FrameModel):
         residual = residual_findings(event.frame, self.residual_stress)
         return super().limits(event) + axial + residual
 
-    def group(self, frame: Frame, cut: Cut) -> BarElements:
+    def group(self, cut: Cut) -> BarElements:
         """Elements with laws of N and M at Gauss-Lobatto points."""
-        return resultant_group(self, frame, cut, self.law)
+        return resultant_group(self, cut)
 
     def law(self, frame: Frame, member: Member) -> tuple[float, float, float, bool]:
-        """Surfaces of fibers in bending."""
-        steel, strips = frame.steel, fiber_section(frame, member, CALIBRATED, 0.0)
-        fibers = section_fibers(frame.strength_section(member), CALIBRATED, self.residual_stress)
-        stress = steel.yield_stress * fibers.residual
-        strips = replace(strips, y=fibers.y, area=fibers.area, initial_stress=stress)
+        """Surfaces of fibers in bending: `inner`, `lag`, `minor`, `softens` of RESULTANT."""
+        strips = fiber_section(frame, member, CALIBRATED, pattern=self.residual_stress)
         inner, slowness = yielding_in_bending(strips, self.inner)
         return inner, frame.properties(member).plastic_moment * slowness, 0.0, False
 
@@ -267,10 +245,10 @@ class ModifiedTangentModulus(FrameModel):
         """Also of axial forces, at which the super-ellipse is off the section."""
         return super().limits(event) + hinge_limits.axial_findings(event.frame, LOSES)
 
-    def group(self, frame: Frame, cut: Cut) -> BarElements:
+    def group(self, cut: Cut) -> BarElements:
         """Elements with laws of N and M at Gauss-Lobatto points."""
-        return resultant_group(self, frame, cut, self.law)
+        return resultant_group(self, cut)
 
     def law(self, frame: Frame, member: Member) -> tuple[float, float, float, bool]:
-        """One surface, and a modulus that falls."""
+        """One surface, and a modulus that falls: entries as of `BoundingSurface`."""
         return 1.0, 0.0, self.minor_weight, True

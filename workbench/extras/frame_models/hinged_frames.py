@@ -38,14 +38,14 @@ from workbench.models.frame_model import (
     as_frame,
 )
 from workbench.responses import Finding, Response, findings_of, set_findings
-from workbench.scenarios import ColumnScenario, Frame, FrameScenario
+from workbench.scenarios import ColumnScenario, FrameScenario
 from workbench.steel.hinges import YieldSurface
 from workbench.steel.hinges.interaction import RULES, polyline
 from workbench.steel.sections.slenderness import rotation_capacity
 
 IMPERFECT = 0.877  # AISC 360, E3: strength of a slender column over its Euler load
 STRAIGHT = np.array([[0.0, 1.0], [1.0, 0.0]])  # share of the moment that is left over |N|
-Ends = Callable[[Frame, Piece, int], PlasticEnd]
+Ends = Callable[[Piece, int], PlasticEnd]
 
 # options of several models, each declared by a model in a line
 SHEAR_FLEXIBLE = partial(checked, Flag(), True, help="elastic shear strain of members")
@@ -63,16 +63,16 @@ ROTATION_CAPACITY = partial(
 
 
 def plastic_end(
-    frame: Frame, piece: Piece, side: int, rule: str = "exact", of_joint: Array | None = None
+    piece: Piece, side: int, rule: str = "exact", of_joint: Array | None = None
 ) -> PlasticEnd:
     """The weaker of member and joint at one end of a piece, `side` 0 or 1.
 
     N and M interact by a `rule`, or by the curve `of_joint` where that is the weaker one.
     """
-    properties, joint = frame.properties(piece.member), piece.joints[side]
-    surface = YieldSurface(properties.squash_load, properties.plastic_moment)
+    joint = piece.joints[side]
+    surface = YieldSurface(piece.properties.squash_load, piece.properties.plastic_moment)
     weaker = joint_surface(surface, joint)
-    curve = polyline(rule, frame.strength_section(piece.member))
+    curve = polyline(rule, piece.section)
     if of_joint is not None and weaker != surface:
         curve = of_joint
     spring = series(joint.rotational_stiffness)
@@ -80,7 +80,7 @@ def plastic_end(
 
 
 def plastic_bars(
-    model: Any, frame: Frame, cut: Cut, end: Ends = plastic_end, second_order: bool = False
+    model: Any, cut: Cut, end: Ends = plastic_end, second_order: bool = False
 ) -> list[Bar]:
     """Beam-columns with a plastic `end` at either end of every piece.
 
@@ -89,20 +89,17 @@ def plastic_bars(
     """
     bars = []
     for piece in cut.pieces:
-        section = frame.strength_section(piece.member)
-        shear = shear_stiffness(section, frame.steel) if model.shear_flexible else inf
+        shear = shear_stiffness(piece.section, cut.frame.steel) if model.shear_flexible else inf
         soft = 1.0 / series(*(joint.axial_stiffness for joint in piece.joints))
-        elastic = piece.axial, piece.bending, piece.mass, shear, soft
+        elastic = piece.axial, piece.bending, piece.properties.mass_per_length, shear, soft
         bent = second_order and not model.first_order
-        bars.append(Bar(end(frame, piece, 0), end(frame, piece, 1), *elastic, bent))
+        bars.append(Bar(end(piece, 0), end(piece, 1), *elastic, bent))
     return bars
 
 
-def hinged_group(
-    model: Any, frame: Frame, cut: Cut, end: Ends, second_order: bool = True
-) -> BarElements:
+def hinged_group(model: Any, cut: Cut, end: Ends, second_order: bool = True) -> BarElements:
     """Bars with hinges of zero length, see `plastic_bars`."""
-    bars = plastic_bars(model, frame, cut, end, second_order)
+    bars = plastic_bars(model, cut, end, second_order)
     return hinged_bars(cut.nodes, bars, model.regularisation, model.first_order)
 
 
@@ -132,14 +129,14 @@ class Giberson(FrameModel):
         "ends.",
     )
 
-    def group(self, frame: Frame, cut: Cut) -> BarElements:
+    def group(self, cut: Cut) -> BarElements:
         """Bars with springs at their ends."""
-        return hinged_group(self, frame, cut, self._end, second_order=False)
+        return hinged_group(self, cut, self._end, second_order=False)
 
-    def _end(self, frame: Frame, piece: Piece, side: int) -> PlasticEnd:
+    def _end(self, piece: Piece, side: int) -> PlasticEnd:
         """A spring that flows has the stiffness f 4 EI / L (Heng 2017, equations 2.4, 2.5)."""
         stiffness = self.ratio * 4.0 * piece.bending / (piece.parts * piece.length)
-        end = plastic_end(frame, piece, side)
+        end = plastic_end(piece, side)
         return replace(end, curve=NO_INTERACTION, hardening=stiffness)
 
     def limits(self, event: FrameScenario) -> list[Finding]:
@@ -152,12 +149,12 @@ class Giberson(FrameModel):
 Wearing: TypeAlias = "PlasticHinge | QuasiPlasticHinge"
 
 
-def worn_end(model: Wearing, frame: Frame, piece: Piece, side: int) -> PlasticEnd:
+def worn_end(model: Wearing, piece: Piece, side: int) -> PlasticEnd:
     """The end of a piece by the rule of the model, straight for a weaker joint, which may wear."""
-    end = plastic_end(frame, piece, side, model.surface, STRAIGHT)
+    end = plastic_end(piece, side, model.surface, STRAIGHT)
     if model.degradation == "none":
         return end
-    rotation = model.rotation_capacity or rotation_capacity(piece.member.section, frame.steel)
+    rotation = model.rotation_capacity or rotation_capacity(piece.member.section, piece.frame.steel)
     sway = piece.parts * piece.length / (6.0 * piece.bending)  # of a member in double curvature
     return replace(end, rotation=rotation, softness=sway)
 
@@ -226,9 +223,9 @@ class PlasticHinge(FrameModel):
         """Also of hinges that wear."""
         return super().limits(event) + wear_findings(self, event)
 
-    def group(self, frame: Frame, cut: Cut) -> BarElements:
+    def group(self, cut: Cut) -> BarElements:
         """Bars with hinges at their ends."""
-        return hinged_group(self, frame, cut, partial(worn_end, self))
+        return hinged_group(self, cut, partial(worn_end, self))
 
     def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
         """Run as in `FrameModel`; adds the least share of its strength that a hinge has left."""
@@ -276,17 +273,18 @@ class QuasiPlasticHinge(FrameModel):
         cycles = hinge_limits.cycle_findings(event, effect + "hinge")
         return super().limits(event) + cycles + wear_findings(self, event)
 
-    def group(self, frame: Frame, cut: Cut) -> BarElements:
+    def group(self, cut: Cut) -> BarElements:
         """Bars with hinges at their ends."""
-        return hinged_group(self, frame, cut, self._end)
+        return hinged_group(self, cut, self._end)
 
-    def _end(self, frame: Frame, piece: Piece, side: int) -> PlasticEnd:
-        section = fiber_section(frame, piece.member, CALIBRATED, 0.0)
+    def _end(self, piece: Piece, side: int) -> PlasticEnd:
+        frame = piece.frame
+        section = fiber_section(frame, piece.member, CALIBRATED)
         first, rotation, hardened = spread_of_yield(section)
         strain = frame.steel.yield_stress / frame.steel.elastic_modulus
         turn = 0.5 * piece.parts * piece.length * strain / float(np.max(section.y))
         spread = np.stack([turn * rotation, hardened])
-        return replace(worn_end(self, frame, piece, side), first_yield=first, spread=spread)
+        return replace(worn_end(self, piece, side), first_yield=first, spread=spread)
 
     def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
         """Run as in `FrameModel`; adds the least share of its strength that a hinge has left."""
@@ -335,10 +333,10 @@ class RefinedPlasticHinge(FrameModel):
         keys += ["en1993-1-1"] if self.local_buckling or self.unbraced_length else []
         return (*keys, *(["en1993-1-5"] if self.local_buckling else []))
 
-    def group(self, frame: Frame, cut: Cut) -> BarElements:
+    def group(self, cut: Cut) -> BarElements:
         """Bars that soften by degrees; their stability functions hold beyond the load of a bar."""
         reduction, double = IMPERFECT if self.imperfect else 1.0, self.modulus == "double"
-        bars = plastic_bars(self, frame, cut, self._end, second_order=True)
+        bars = plastic_bars(self, cut, self._end, second_order=True)
         numbers = reduction, double, self.regularisation, self.first_order
         return refined_bars(cut.nodes, bars, *numbers)
 
@@ -368,8 +366,8 @@ class RefinedPlasticHinge(FrameModel):
             set_findings(response, [*findings_of(response), *lateral])
         return response
 
-    def _end(self, frame: Frame, piece: Piece, side: int) -> PlasticEnd:
-        end = plastic_end(frame, piece, side, "aisc")  # H1-1, for members and joints
+    def _end(self, piece: Piece, side: int) -> PlasticEnd:
+        end = plastic_end(piece, side, "aisc")  # H1-1, for members and joints
         if self.local_buckling:
-            return hinge_limits.buckled_end(end, frame, piece.member)
+            return hinge_limits.buckled_end(end, piece.frame, piece.member)
         return end

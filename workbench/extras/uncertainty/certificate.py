@@ -31,10 +31,10 @@ from workbench.extras.uncertainty.fragility import (
     Samples,
     refined_ones,
 )
-from workbench.extras.uncertainty.fragility_curve import LEVEL
 from workbench.extras.uncertainty.inputs import uncertain_from_text
 from workbench.extras.uncertainty.sample_runs import Finer, Setup, on_finer_mesh, ratio_at
 from workbench.models.base import make_model, on_one_mesh
+from workbench.responses import COVERAGE
 from workbench.responses.build import provenance
 from workbench.study.batches import Processes
 
@@ -85,7 +85,7 @@ def certificate(result: Fragility) -> dict[str, Any]:
         },
         "numerical_half_width": numerical,
         "mesh_shift": shift,
-        "level": LEVEL,
+        "level": COVERAGE,
         "half_width": {
             "probability": curve.half_width,
             "velocity": _number(curve.velocity_half_width),

@@ -12,9 +12,11 @@ from scipy.special import ndtr, ndtri
 
 from workbench.base.arrays import Array, Indices
 from workbench.extras.uncertainty.critical_ratio import Columns, Posterior, columns_of, learn
+from workbench.responses import COVERAGE
+from workbench.studs.statistics.intervals import tails_of
 
-LEVEL = 0.90  # of all bands
-LEVEL_AFTER_LOOKS = 0.95  # of a band that was looked at before: reported as LEVEL
+AFTER_LOOKS = 0.95  # coverage of a band that was looked at before: reported as COVERAGE
+NORMAL = float(ndtri(tails_of(COVERAGE)[1]))  # half-width of an interval, in deviations
 DRAWS, NODES = 300, 21
 BIN, MOVING_MEAN = 20, 15
 GRID, FARTHEST = 161, 3.1  # points, and the normal score of the first and the last
@@ -41,8 +43,8 @@ class Population:
 class Curve:
     """Probability of exceedance over velocity.
 
-    `log_velocity` (points,); `median`, `low` and `high`, pointwise band of `LEVEL`; `low_all` and
-    `high_all`, band of `LEVEL` for the whole curve; `correction` and `sampling`, half-widths in
+    `log_velocity` (points,); `median`; bands of `COVERAGE`: `low` and `high` at each point,
+    `low_all` and `high_all` of the whole curve; `correction` and `sampling`, half-widths in
     probability by the references and by the samples; `references`, how many.
     """
 
@@ -190,8 +192,7 @@ def fragility_curve(
     draws *= share
     by_scramble = _by_scramble(population, finite, corrected, grid)
     deviation = _deviation(by_scramble, random)
-    half = ndtri(0.5 + LEVEL / 2.0)
-    parts = half * draws.std(axis=0), half * deviation.std(axis=0)
+    parts = NORMAL * draws.std(axis=0), NORMAL * deviation.std(axis=0)
     if sampling:
         draws = draws + deviation
     silent = float(np.isnan(population.log_velocity).mean())
@@ -203,7 +204,7 @@ def fragility_curve(
         most = share * _distribution(reduced, grid + LARGEST_RATIO)
         lower = (1.0 - beta) * lower + beta * least
         upper = (1.0 - beta) * upper + beta * most
-    level = LEVEL_AFTER_LOOKS if looked else LEVEL
+    level = AFTER_LOOKS if looked else COVERAGE
     return _bands(grid, draws, lower, upper, level, parts, len(ratios))
 
 
@@ -216,8 +217,8 @@ def reduced_curve(population: Population, random: np.random.Generator) -> Curve:
     deviation = _deviation(_by_scramble(population, finite, y, grid), random)
     draws = exact + deviation
     silent = float(np.isnan(population.log_velocity).mean())
-    parts = np.zeros_like(grid), ndtri(0.5 + LEVEL / 2.0) * deviation.std(axis=0)
-    return _bands(grid, draws, draws, draws + silent, LEVEL, parts, 0)
+    parts = np.zeros_like(grid), NORMAL * deviation.std(axis=0)
+    return _bands(grid, draws, draws, draws + silent, COVERAGE, parts, 0)
 
 
 def _grid(corrected: Array) -> Array:
@@ -299,8 +300,8 @@ def _bands(
 
     `lower` and `upper` are the draws at the worst of what failed runs leave open.
     """
-    tail = (1.0 - level) / 2.0
-    low, high = np.quantile(lower, tail, axis=0), np.quantile(upper, 1.0 - tail, axis=0)
+    tails = zip((lower, upper), tails_of(level), strict=True)
+    low, high = (np.quantile(values, share, axis=0) for values, share in tails)
     edges = low, high, _together(lower, level, -1.0), _together(upper, level, 1.0)
     low, high, low_all, high_all = (np.clip(edge, 0.0, 1.0) for edge in edges)
     median = np.clip(np.median(draws, axis=0), 0.0, 1.0)

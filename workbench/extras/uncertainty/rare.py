@@ -16,7 +16,7 @@ from scipy.special import logsumexp, ndtr, ndtri
 from workbench.base.arrays import Array, Flags
 from workbench.base.errors import InputError, WorkbenchError
 from workbench.extras.uncertainty.critical_velocity import COARSE, DisplacementLimit
-from workbench.extras.uncertainty.fragility_curve import LEVEL
+from workbench.extras.uncertainty.fragility_curve import NORMAL
 from workbench.extras.uncertainty.inputs import UncertainScenario
 from workbench.extras.uncertainty.sample_runs import VELOCITY, Sampled, Setup, numbers_at
 from workbench.scenarios import column
@@ -93,8 +93,8 @@ class Rare:
 
     @property
     def band(self) -> tuple[float, float]:
-        """Ends of the band of `LEVEL`, lognormal; no error of the model is in it."""
-        half = float(ndtri(0.5 + LEVEL / 2.0)) * self.cov
+        """Ends of the band of `COVERAGE`, lognormal; no error of the model is in it."""
+        half = NORMAL * self.cov
         return self.probability * exp(-half), min(1.0, self.probability * exp(half))
 
     @property

@@ -26,12 +26,11 @@ from workbench.extras.uncertainty.critical_velocity import (
     ratio_to_reference,
     search,
 )
-from workbench.extras.uncertainty.fragility_curve import LEVEL
 from workbench.extras.uncertainty.inputs import UncertainScenario
 from workbench.models.base import LONGER, on_one_mesh
 from workbench.models.batch import OUTCOME
 from workbench.models.references.refine import REFINEMENT
-from workbench.responses import PEAK, Outcome, outcome_of
+from workbench.responses import COVERAGE, PEAK, Outcome, outcome_of
 from workbench.responses.uncertainty import uncertainty_of
 from workbench.scenarios.column import DURATION
 from workbench.scenarios.varied import Path_, Varied
@@ -146,7 +145,7 @@ class Finer(NamedTuple):
         if len(parts) < 2:
             return None, 0.0
         shifts, widths = np.array(parts).T
-        spread = student.ppf(0.5 + LEVEL / 2.0, len(parts) - 1) * shifts.std(ddof=1)
+        spread = student.ppf(0.5 + COVERAGE / 2.0, len(parts) - 1) * shifts.std(ddof=1)
         return float(widths.max() + spread / np.sqrt(len(parts))), float(shifts.mean())
 
 

@@ -16,8 +16,9 @@ import numpy as np
 
 from workbench.base.arrays import Array
 from workbench.base.errors import InputError
+from workbench.responses import COVERAGE
+from workbench.studs.statistics.intervals import tails_of
 
-LEVEL = 0.90
 REPETITIONS = 200
 FEWEST_ROWS = 64
 FEWEST_OF_A_KIND = 16  # answers, and missing ones, in A and in B, for indices of the indicator
@@ -92,6 +93,5 @@ def _variance(weights: Array, *columns: Array) -> Array:
 
 
 def _index(values: Array) -> Index:
-    tail = (1.0 - LEVEL) / 2.0
-    low, high = np.quantile(values[1:], (tail, 1.0 - tail))
+    low, high = np.quantile(values[1:], tails_of(COVERAGE))
     return Index(float(values[0]), float(low), float(high))

@@ -10,7 +10,8 @@ import numpy as np
 
 from workbench.base.arrays import Array
 from workbench.base.fields import Number
-from workbench.mechanics.structures.fibers.section import BeamSection, LinearHardening
+from workbench.mechanics.structures.fibers import BeamSection, section_fibers
+from workbench.mechanics.structures.fibers.section import Law, LinearHardening, ShearYielding
 from workbench.responses import Finding, Response, finding
 from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, FrameStatic, Member
 from workbench.scenarios.parts import MemberEnd, Node
@@ -104,26 +105,30 @@ SOLID_BOUND = 0.45  # V/Vpl at which a solid square has lost that, study `shear_
 
 
 CALIBRATED = 40  # layers of the fibers that hinges and surfaces are calibrated on
-LAYERS = Number(4, 1000, integer=True)  # of fibers over the depth of a section
+# of fibers over the depth of a section
+LAYERS = Number(4, 1000, integer=True, even=True, advice="an odd number loses moment")
 
 
-def check_layers(model: Any) -> None:
-    """Refuse an odd number of `layers` of a model. Raises `InputError`."""
-    if model.layers % 2:
-        raise model.refusal("layers", "must be even", "an odd number loses moment")
+def fiber_section(
+    frame: Frame,
+    member: Member,
+    layers: int,
+    law: Law | None = None,
+    pattern: str = "none",
+    *,
+    sheared: bool = False,
+) -> BeamSection:
+    """Fibers of a member's strength section, with their law (None: of the steel) and its mass.
 
-
-def fiber_section(frame: Frame, member: Member, layers: int, hardening_ratio: float) -> BeamSection:
-    """Fibers of a member's strength section, rigid in shear, with its material and mass.
-
-    Arguments: `layers` over the depth; kinematic hardening over the elastic modulus.
+    Arguments: `layers` over the depth; `pattern` of residual stresses; whether the section is
+    `sheared` elastically, where it does not yield in the fibers along the shear force.
     """
-    steel = frame.steel
-    y, area = frame.strength_section(member).fibers(layers)
-    modulus = steel.elastic_modulus
-    hardening = steel.hardening_modulus or hardening_ratio * modulus
-    law = LinearHardening(modulus, steel.yield_stress, hardening, rate=steel.rate)
-    return BeamSection(y, area, law, frame.properties(member).mass_per_length)
+    section, steel = frame.strength_section(member), frame.steel
+    fibers, yields = section_fibers(section, layers, pattern), isinstance(law, ShearYielding)
+    material = law or LinearHardening.of(steel), frame.properties(member).mass_per_length
+    shear = shear_stiffness(section, steel) if sheared and not yields else 0.0
+    share, stress = fibers.share if yields else None, steel.yield_stress * fibers.residual
+    return BeamSection(fibers.y, fibers.area, *material, shear, share, stress)
 
 
 def fiber_overrides(frame: Frame, layers: int) -> list[Finding]:

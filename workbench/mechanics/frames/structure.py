@@ -10,7 +10,7 @@ The element itself stands in `structures/superelements`, the two models in `mode
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -28,8 +28,9 @@ from workbench.mechanics.structures.paths import apply_loads
 from workbench.mechanics.structures.superelements import HingeEnd, Superelements
 from workbench.responses import Response, finding, findings_of, set_findings
 from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, Joint, Load, Member
-from workbench.scenarios.parts import COMPONENT, RIGID
+from workbench.scenarios.parts import COMPONENT, RIGID, MemberProperties
 from workbench.steel.hinges import YieldSurface
+from workbench.steel.sections import Section
 
 Whole = TypeVar("Whole")
 POINTS = np.linspace(0.0, 1.0, 9)  # along a member, where its deformed shape is drawn
@@ -329,25 +330,25 @@ _SOFT = 3.0  # % of axial flexibility that hinges add
 
 @dataclass(frozen=True)
 class Piece:
-    """One of the equal parts into which a member is cut, as the maker of superelements sees it.
+    """One of the equal parts into which a member of a frame is cut, as element groups read it.
 
-    The `member`, of which it is number `index` of `parts`; `length` in m; elastic EA (N) and EI
-    (N m2); `joints` at its two ends (a rigid one inside the member); `pins`, rotational stiffness
-    of the joints or supports at its ends (N m/rad), zero also at a support that leaves the end
-    free to turn; mass (kg/m) and rotary
-    inertia (kg m) per length.
+    The `member`, of which it is number `index` of `parts`; its strength `section` and `properties`;
+    `length` in m; elastic EA (N) and EI (N m2); `joints` at its two ends (a rigid one inside the
+    member); `pins`, rotational stiffness of the joints or supports at its ends (N m/rad), zero also
+    at a support that leaves the end free to turn.
     """
 
+    frame: Frame
     member: Member
     index: int
     parts: int
+    section: Section
+    properties: MemberProperties
     length: float
     axial: float
     bending: float
     joints: tuple[Joint, Joint]
     pins: tuple[float, float]
-    mass: float
-    rotary: float
 
 
 def series(*stiffnesses: float | None) -> float:
@@ -444,12 +445,13 @@ def curvature_shares(parts: int) -> Array:
 
 
 class Cut(NamedTuple):
-    """Members of a frame in equal parts.
+    """Members of a `frame` in equal parts.
 
     `coordinates` (nodes, 2) in m, those of the frame's nodes first; of every part, in the order of
     the members, the numbers of its `nodes`, and the `pieces` themselves.
     """
 
+    frame: Frame
     coordinates: Array
     nodes: list[tuple[int, int]]
     pieces: list[Piece]
@@ -457,11 +459,6 @@ class Cut(NamedTuple):
 
 def cut_members(frame: Frame, parts: Sequence[int]) -> Cut:
     """Every member of a frame in so many equal `parts`."""
-    return _cut_members(frame.elastic, tuple(parts))
-
-
-@lru_cache(maxsize=64)
-def _cut_members(frame: Frame, parts: tuple[int, ...]) -> Cut:
     points = frame.points.tolist()
     nodes: list[tuple[int, int]] = []
     pieces: list[Piece] = []
@@ -470,43 +467,35 @@ def _cut_members(frame: Frame, parts: tuple[int, ...]) -> Cut:
     ):
         nodes.extend(pairwise([first, *range(len(points), len(points) + count - 1), last]))
         points.extend((frame.points[first] + chord * k / count).tolist() for k in range(1, count))
-        pieces.extend(_piece(frame, member, count, k) for k in range(count))
-    return Cut(np.array(points), nodes, pieces)
+        pieces.extend(_pieces(frame, member, count))
+    return Cut(frame, np.array(points), nodes, pieces)
 
 
-def joint_inertias(nodes: Sequence[tuple[int, int]], pieces: Sequence[Piece]) -> Array:
+def joint_inertias(cut: Cut) -> Array:
     """Rotary inertia (nodes,) in kg m2 of the joints at the ends of pieces, by their nodes.
 
     That of half a section depth of the heaviest bar there: its sections turn with the joint.
     """
-    inertia = np.zeros(1 + max(max(ends) for ends in nodes))
-    for ends, piece in zip(nodes, pieces, strict=True):
-        half = 0.5 * piece.rotary * piece.member.section.height
+    inertia = np.zeros(len(cut.coordinates))
+    for ends, piece in zip(cut.nodes, cut.pieces, strict=True):
+        half = 0.5 * piece.properties.rotary_inertia * piece.member.section.height
         np.maximum.at(inertia, list(ends), half)
     return inertia
 
 
-def _piece(frame: Frame, member: Member, parts: int, index: int) -> Piece:
-    properties, modulus = frame.properties(member), frame.steel.elastic_modulus
-    joints, pins = [], []
-    for end, inside in zip(member.ends, (index > 0, index < parts - 1), strict=True):
-        joints.append(RIGID if inside else frame.joint(end.joint))
-        free = not inside and not (
-            frame.turns(end.node, (member.name,)) or "rotation" in frame.node(end.node).resisted
-        )
-        pins.append(0.0 if free else series(joints[-1].rotational_stiffness))
-    return Piece(
-        member=member,
-        index=index,
-        parts=parts,
-        length=frame.length(member) / parts,
-        axial=modulus * properties.area,
-        bending=modulus * properties.second_moment,
-        joints=(joints[0], joints[1]),
-        pins=(pins[0], pins[1]),
-        mass=properties.mass_per_length,
-        rotary=properties.mass_per_length * properties.second_moment / properties.area,
-    )
+def _pieces(frame: Frame, member: Member, parts: int) -> Iterator[Piece]:
+    """The pieces of one member, from its start to its end."""
+    whole, modulus, ends = frame.properties(member), frame.steel.elastic_modulus, []
+    for end, joint in zip(member.ends, frame.joints_of(member), strict=True):
+        held = "rotation" in frame.node(end.node).resisted
+        turned = held or frame.turns(end.node, (member.name,))
+        ends.append((joint, series(joint.rotational_stiffness) if turned else 0.0))
+    elastic = modulus * whole.area, modulus * whole.second_moment
+    alike = frame.strength_section(member), whole, frame.length(member) / parts, *elastic
+    for k in range(parts):
+        first = ends[0] if k == 0 else (RIGID, inf)
+        last = ends[1] if k == parts - 1 else (RIGID, inf)
+        yield Piece(frame, member, k, parts, *alike, (first[0], last[0]), (first[1], last[1]))
 
 
 def joint_surface(member: YieldSurface, joint: Joint) -> YieldSurface:

@@ -23,9 +23,9 @@ from workbench.mechanics.frames.elastic import Spans, line_wave_times, spans_to,
 from workbench.mechanics.frames.members import (
     LAYERS,
     chains,
-    check_layers,
     eventful,
     fiber_overrides,
+    fiber_section,
     named,
 )
 from workbench.mechanics.frames.structure import (
@@ -36,7 +36,8 @@ from workbench.mechanics.frames.structure import (
 )
 from workbench.mechanics.structures.assembly import PlanarAssembly, graded_lengths, halved
 from workbench.mechanics.structures.elements import JointSprings
-from workbench.mechanics.structures.fibers import FiberElements
+from workbench.mechanics.structures.fibers import BeamSection, FiberElements
+from workbench.mechanics.structures.fibers.section import Law, LinearHardening
 from workbench.models.base import respond
 from workbench.models.frame_model import FrameModel, as_frame
 from workbench.models.references.refine import (
@@ -55,8 +56,10 @@ from workbench.scenarios import (
     FrameImpact,
     FrameScenario,
     FrameStatic,
+    Member,
     Scenario,
 )
+from workbench.steel.materials import Steel
 
 # of the longest member; travelling hinges pass through inner elements
 LARGEST_SHARE_IN_DYNAMICS = 1.0 / 40.0
@@ -368,7 +371,7 @@ class FiberReference(FrameModel):
     largest_element: float | None = checked(
         Number(1e-4, 100.0, "m"), optional=True, help="None: by rule"
     )
-    layers: int = checked(LAYERS, 20, help="over the depth, an even number")
+    layers: int = checked(LAYERS, 20, help="over the depth")
     time_step: float | None = checked(
         Number(1e-8, 1e-2, "s"),
         optional=True,
@@ -398,8 +401,7 @@ class FiberReference(FrameModel):
     concentrated: ClassVar[bool] = False
 
     def check(self) -> None:
-        """Refuse layers and levels that do not fit."""
-        check_layers(self)
+        """Refuse levels that do not fit."""
         check_levels(self.refinement, self.levels)
 
     @abstractmethod
@@ -414,6 +416,19 @@ class FiberReference(FrameModel):
     @abstractmethod
     def fibers(self, frame: Frame, mesh: FrameMesh) -> FiberElements:
         """The elements of a mesh."""
+
+    def sections(self, frame: Frame) -> list[BeamSection]:
+        """The fibers of every member."""
+        return [self.section(frame, member) for member in frame.members]
+
+    def section(self, frame: Frame, member: Member) -> BeamSection:
+        """The fibers of a member."""
+        law, sheared = self.law(frame.steel), self.shear_flexible
+        return fiber_section(frame, member, self.layers, law, self.residual_stress, sheared=sheared)
+
+    def law(self, steel: Steel) -> Law:
+        """The law of the fibers."""
+        return LinearHardening.of(steel, self.hardening_ratio)
 
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings common to all member models that fibers do not follow, then `limits`."""

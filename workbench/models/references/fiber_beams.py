@@ -20,7 +20,6 @@ solid sections) that yield under normal and shear stress together, sigma^2 + 3 t
 the rate law of the steel on the right where it has one.
 """
 
-from abc import abstractmethod
 from dataclasses import dataclass, replace
 from math import sqrt
 from typing import ClassVar
@@ -29,16 +28,16 @@ import numpy as np
 
 from workbench.base.errors import CrumpledError
 from workbench.base.fields import Choice, Flag, Number, checked
-from workbench.mechanics.frames.members import fiber_section, residual_findings, shear_stiffness
-from workbench.mechanics.structures.fibers import PATTERNS, BeamSection, lobatto, section_fibers
+from workbench.mechanics.frames.members import residual_findings
+from workbench.mechanics.structures.fibers import PATTERNS, lobatto
 from workbench.mechanics.structures.fibers.section import (
     FiberBeams,
+    Law,
     LinearHardening,
     MenegottoPinto,
     Points,
     ReissnerBeams,
     ShearYielding,
-    UniaxialLaw,
     radau_rule,
 )
 from workbench.models.base import respond
@@ -70,7 +69,6 @@ from workbench.scenarios import (
     Frame,
     FrameScenario,
     FrameStatic,
-    Member,
     MemberPulse,
     Scenario,
 )
@@ -159,19 +157,11 @@ class FiberCorotational(FiberReference):
     def fibers(self, frame: Frame, mesh: FrameMesh) -> FiberBeams:
         """Co-rotational beams, balanced or classical."""
         balanced = self.element == BALANCED
-        sections = [self.section(frame, member) for member in frame.members]
         rule = radau_rule(mesh.upper) if balanced else None
         if self.element == LOBATTO:
             rule = Points(*lobatto(4))
-        return FiberBeams(mesh.nodes, mesh.member, sections, rule, balanced=balanced)
-
-    def section(self, frame: Frame, member: Member) -> BeamSection:
-        """The fibers of a member's strength section with its material and mass."""
-        section = fiber_section(frame, member, self.layers, self.hardening_ratio)
-        if not self.shear_flexible:
-            return section
-        shape = frame.strength_section(member)
-        return replace(section, shear_stiffness=shear_stiffness(shape, frame.steel))
+        given = mesh.nodes, mesh.member, self.sections(frame)
+        return FiberBeams(*given, rule, balanced=balanced)
 
 
 LAWS = ("linear", "menegotto-pinto")
@@ -193,7 +183,6 @@ class ExactBeams(FiberReference):
     )
 
     sampled: ClassVar[float] = 0.5
-    beams: ClassVar[type[ReissnerBeams]] = ReissnerBeams
 
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings common to all fiber references, and refusals of options."""
@@ -214,29 +203,7 @@ class ExactBeams(FiberReference):
 
     def fibers(self, frame: Frame, mesh: FrameMesh) -> ReissnerBeams:
         """Geometrically exact beams."""
-        sections = [self.section(frame, member) for member in frame.members]
-        return self.beams(mesh.nodes, mesh.member, sections)
-
-    def section(self, frame: Frame, member: Member) -> BeamSection:
-        """The fibers of a member's strength section, their law and its mass.
-
-        Shear yields in the fibers along the shear force, or strains the shear area elastically.
-        """
-        section, steel = frame.strength_section(member), frame.steel
-        fibers = section_fibers(section, self.layers, self.residual_stress)
-        return BeamSection(
-            fibers.y,
-            fibers.area,
-            self.law(steel),
-            frame.properties(member).mass_per_length,
-            shear_stiffness=0.0 if self.shear_yields else shear_stiffness(section, steel),
-            shear_share=fibers.share if self.shear_yields else None,
-            initial_stress=steel.yield_stress * fibers.residual,
-        )
-
-    @abstractmethod
-    def law(self, steel: Steel) -> UniaxialLaw | ShearYielding:
-        """The law of the fibers."""
+        return ReissnerBeams(mesh.nodes, mesh.member, self.sections(frame))
 
 
 @dataclass(frozen=True)
@@ -291,14 +258,11 @@ class FiberReissner(ExactBeams):
         """Elements grow fast from the very small ones of the rule only."""
         return REISSNER_RULE if self.smallest_element is None else REISSNER_GIVEN
 
-    def law(self, steel: Steel) -> UniaxialLaw:
+    def law(self, steel: Steel) -> Law:
         """The law of the fibers."""
-        modulus = steel.elastic_modulus
-        if self.steel_law == "menegotto-pinto":
-            return MenegottoPinto(modulus, steel.yield_stress, self.hardening_ratio)
-        hardening = steel.hardening_modulus or self.hardening_ratio * modulus
-        isotropic = self.isotropic_ratio * modulus
-        return LinearHardening(modulus, steel.yield_stress, hardening, isotropic, steel.rate)
+        if self.steel_law == "linear":
+            return LinearHardening.of(steel, self.hardening_ratio, self.isotropic_ratio)
+        return MenegottoPinto(steel.elastic_modulus, steel.yield_stress, self.hardening_ratio)
 
 
 @dataclass(frozen=True)

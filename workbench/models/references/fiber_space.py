@@ -22,7 +22,6 @@ from workbench.mechanics.frames.structure import (
     free_to_spin,
     in_space,
 )
-from workbench.mechanics.structures.fibers.section import LinearHardening
 from workbench.mechanics.structures.space import (
     SpaceAssembly,
     SpaceBeams,
@@ -49,6 +48,7 @@ from workbench.scenarios import (
     FrameImpact,
     FramePulse,
     FrameScenario,
+    Member,
 )
 from workbench.scenarios.frame_events import azimuth, facing
 from workbench.scenarios.parts import HELD_BESIDE, PINNED, RIGID
@@ -267,7 +267,7 @@ class FiberSpace(SpaceModel, FiberReference):
     hardening_ratio: float = checked(
         Number(1e-9, 0.1), 1e-6, help="regularising hardening over the elastic modulus"
     )
-    layers: int = checked(LAYERS, 12, help="over the depth and across flanges, an even number")
+    layers: int = checked(LAYERS, 12, help="over the depth and across flanges")
     refinement: int = checked(REFINEMENT, 1, help="how often all elements and steps are halved")
 
     name: ClassVar[str] = "fiber-space"
@@ -297,20 +297,13 @@ class FiberSpace(SpaceModel, FiberReference):
     def bars(self, placed: Placed) -> SpaceBeams:
         """Co-rotational beams with fibers in both directions."""
         frame, mesh = placed.frame, placed.mesh
-        steel, fibers = frame.steel, []
-        hardening = steel.hardening_modulus or self.hardening_ratio * steel.elastic_modulus
-        law = LinearHardening(steel.elastic_modulus, steel.yield_stress, hardening, rate=steel.rate)
-        for member in frame.members:
-            section = frame.strength_section(member).about("strong")
-            places = space_fibers(section, self.layers)
-            fibers.append(
-                SpaceSection(
-                    y=places.y,
-                    area=places.area,
-                    law=law,
-                    mass_per_length=frame.properties(member).mass_per_length,
-                    z=places.z,
-                    torsion=twist_stiffness(section, steel),
-                )
-            )
-        return SpaceBeams(mesh.nodes, mesh.member, fibers, placed.heights, axes=placed.axes)
+        sections = [self.section(frame, member) for member in frame.members]
+        return SpaceBeams(mesh.nodes, mesh.member, sections, placed.heights, axes=placed.axes)
+
+    def section(self, frame: Frame, member: Member) -> SpaceSection:
+        """The fibers of a member in both directions."""
+        section = frame.strength_section(member).about("strong")
+        fibers, twist = space_fibers(section, self.layers), twist_stiffness(section, frame.steel)
+        mass = frame.properties(member).mass_per_length
+        given: Any = {**fibers._asdict(), "mass_per_length": mass, "torsion": twist}
+        return SpaceSection(law=self.law(frame.steel), **given)

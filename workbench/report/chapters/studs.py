@@ -19,6 +19,7 @@ from workbench.studs.fit_protocol import Tables, ranked
 from workbench.studs.formulas import FORMULAS
 from workbench.studs.load_slip import LAWS
 from workbench.studs.relations import ANCHORED, RELATIONS
+from workbench.study.tables import rows_of
 
 Head = Mapping[str, Any]  # what was asked of a fit
 Row = dict[str, Any]
@@ -28,11 +29,7 @@ _GRADE_WIDTH = 30  # characters of a line
 
 def records(table: pd.DataFrame) -> list[Row]:
     """The rows of a data frame; None where nothing is known, and for a column that is not there."""
-    frame = table.astype(object)
-    rows: list[Row] = frame.where(frame.notna(), None).to_dict(
-        "records", into=defaultdict(lambda: None)
-    )
-    return rows
+    return [defaultdict(lambda: None, row) for row in rows_of(table)]
 
 
 def page(part: str, tables: Tables, **values: Any) -> Markdown:

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.base.arrays import Array, Flags
-from workbench.base.errors import InputError, SolverError
+from workbench.base.errors import SolverError
 from workbench.base.fields import Choice, Declared, Instance, Number, Text, checked
 from workbench.steel.materials import Steel
 
@@ -428,7 +428,8 @@ def fit_superellipse(shape: Shape, points: int = 181) -> tuple[float, float]:
 
 AXES = ("strong", "weak")
 _WEAK = ", weak axis"  # in the name of a turned section
-_LAYERS = Number(4, 10_000, integer=True)
+_ODD = "a layer on the centroid adds nothing to the moment: W_pl is lost"
+_LAYERS = Number(4, 10_000, integer=True, even=True, advice=_ODD)
 _POINTS = Number(3, 100_000, integer=True)
 
 
@@ -528,9 +529,6 @@ class Section(Declared, table="section"):
         rectangle in 20 layers). Raises `InputError`.
         """
         count = _LAYERS.check("layers", layers)
-        if count % 2:
-            advice = "a layer on the centroid adds nothing to the moment: W_pl is lost"
-            raise InputError("layers", layers, "must be even", advice)
         groups = [group.strips() for group in self.shape.layers(int(count) // 2)]
         y, area = (np.concatenate(parts) for parts in zip(*groups, strict=True))
         order = np.argsort(y, kind="stable")

@@ -12,8 +12,6 @@ from math import nan
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
 from workbench.base.catalogue import IMPACT_TESTS, SYNTHETIC, Dataset, dataset, datasets
 from workbench.base.errors import Collapse, InputError, Mechanism
 from workbench.scenarios import ColumnImpact, scenario_from, scenario_hash
@@ -26,6 +24,7 @@ from workbench.studs.schema import (
     known,
     templates_in,
 )
+from workbench.study.tables import rows_of
 
 # measured quantities: response variable, column, and column of its half-width
 MEASURED = {
@@ -187,13 +186,7 @@ def impact_tests(name: str | None = None) -> tuple[ImpactTest, ...]:
 def _rows(path: Path, digest: str) -> tuple[tuple[Row, ColumnImpact], ...]:
     """The rows of a table with their scenarios; `digest` of the file renews them."""
     rows = examine(path, IMPACTS).accept()
-    return tuple((row, scenario_of(row)) for row in records(rows))
-
-
-def records(rows: pd.DataFrame) -> Iterator[Row]:
-    """Rows of a table of the schema, one by one."""
-    for row in rows.to_dict("records"):
-        yield {str(name): value for name, value in row.items()}
+    return tuple((row, scenario_of(row)) for row in rows_of(rows))
 
 
 def _test(group: list[tuple[Dataset, Row, ColumnImpact]]) -> ImpactTest:

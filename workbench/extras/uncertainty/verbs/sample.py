@@ -31,8 +31,6 @@ from workbench.extras.uncertainty.verbs.fragility import pair_of, struck
 from workbench.report.page.markdown import Block, Cell, Table, paragraph
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from workbench.extras.uncertainty.chunks import Chunk
     from workbench.extras.uncertainty.inputs import UncertainScenario
     from workbench.extras.uncertainty.sensitivity import Index
@@ -133,6 +131,7 @@ def _tabled(chunks: list[Chunk], target: Path | None) -> Answer:
     from workbench.extras.uncertainty.inputs import uncertain_from_text
     from workbench.models.batch import FAILURE, OUTCOME
     from workbench.report.page.formatting import title_of
+    from workbench.study.tables import rows_of
 
     table = joined(chunk.table() for chunk in chunks)
     uncertain = uncertain_from_text(chunks[0].labels["scenario"])
@@ -142,13 +141,12 @@ def _tabled(chunks: list[Chunk], target: Path | None) -> Answer:
         write_answers(target, table, table.rename_axis("sample").to_xarray())
     outcomes = {str(name): int(n) for name, n in table[OUTCOME].value_counts().items()}
     numbers = [each for each in table.columns if each not in (*uncertain.names, OUTCOME, FAILURE)]
-    rows = [
-        {"quantity": each, "answers": int(table[each].notna().sum()), **_quantiles(table[each])}
-        for each in numbers
-    ]
+    quantiles = table[numbers].quantile(list(_SHARES)).T.add_prefix("q")
+    quantiles.insert(0, "answers", table[numbers].count())
+    rows = rows_of(quantiles.rename_axis("quantity").reset_index())
     content = {"scenario": name, "model": model, "outcomes": outcomes, "quantiles": rows}
     texts = ", ".join(f"{n} {each}" for each, n in outcomes.items())
-    columns = {each: each for each in ("answers", *_quantiles(table[OUTCOME][:0]))}
+    columns = {str(each): each for each in quantiles}
     titled = {"quantity": lambda row: title_of(row["quantity"]), **columns}
     blocks = (
         paragraph(f"{name}, {len(table)} samples by {model}: {texts}."),
@@ -322,13 +320,6 @@ def _uncertain(scenario: str, settings: list[str] | None, seed: int) -> Uncertai
         advice = "write a distribution, such as velocity = { normal = [14.0, 2.0] }"
         raise InputError("scenario", uncertain.base.name, "has no uncertain input", advice)
     return uncertain
-
-
-def _quantiles(values: pd.Series) -> dict[str, float | None]:
-    known = values.dropna()
-    return {
-        f"q{share:g}": None if known.empty else float(known.quantile(share)) for share in _SHARES
-    }
 
 
 def _shown(

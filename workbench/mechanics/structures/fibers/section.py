@@ -12,7 +12,7 @@ Two local laws: the co-rotational Bernoulli beam, and the geometrically exact be
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,7 +23,7 @@ from workbench.base.fields import Declared, Number, checked
 from workbench.mechanics.structures.elements import ElementGroup
 from workbench.mechanics.structures.fibers import kernels as fiber_kernels
 from workbench.mechanics.structures.fibers import reissner_kernels
-from workbench.steel.materials import CowperSymonds
+from workbench.steel.materials import CowperSymonds, Steel
 from workbench.steel.sections import Section
 from workbench.steel.sections.section import (
     CircularTube,
@@ -64,6 +64,13 @@ class LinearHardening(Declared, table="law"):
     rate: CowperSymonds | None = None
 
     states: ClassVar[int] = 2
+
+    @classmethod
+    def of(cls, steel: Steel, kinematic: float = 0.0, isotropic: float = 0.0) -> Self:
+        """The law of a steel; of one that does not harden so, with these shares of its modulus."""
+        modulus = steel.elastic_modulus
+        hardening = steel.hardening_modulus or kinematic * modulus
+        return cls(modulus, steel.yield_stress, hardening, isotropic * modulus, steel.rate)
 
     @property
     def code(self) -> int:
@@ -137,7 +144,7 @@ class ShearYielding(Declared, table="law"):
         return parameters(*moduli, *_rate_numbers(self.rate))
 
 
-UniaxialLaw = LinearHardening | MenegottoPinto
+Law = LinearHardening | MenegottoPinto | ShearYielding
 
 
 PATTERNS = ("none", "triangular", "parabolic")
@@ -160,7 +167,7 @@ class BeamSection:
 
     y: Array
     area: Array
-    law: UniaxialLaw | ShearYielding
+    law: Law
     mass_per_length: float
     shear_stiffness: float = 0.0
     shear_share: Array | None = None

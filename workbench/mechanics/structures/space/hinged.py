@@ -1,7 +1,5 @@
 """Superelements in space: bars between two hinges that yield under N, M_y and M_z, in one group."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,46 +8,28 @@ from numpy.typing import ArrayLike
 from workbench.base.arrays import Array, Flags, Indices
 from workbench.mechanics.structures.space import hinge_kernels
 from workbench.mechanics.structures.space.beams import SpaceElements
-from workbench.steel.hinges import BiaxialSurface
+from workbench.scenarios import Frame
 from workbench.steel.hinges.biaxial_kernels import ROOM
+from workbench.steel.hinges.interaction import surface_in_space
+from workbench.steel.sections.slenderness import torsion_constants
 
-NO_PINS = np.zeros(2, dtype=bool)
 
+def _stiffness(axial: float, bending: Array, hinges: float, length: float, pins: Flags) -> Array:
+    """Elastic stiffness of N and both moments at the start and at the end of a bar (5, 5).
 
-@dataclass(frozen=True)
-class SpaceBar:
-    """A bar between two hinges alike.
-
-    Arguments: `surface` of the hinges; `strength` (3,): plastic N, and moments about the strong and
-    the weak axis, in N and N m; `axial` EA in N, `bending` EI about both axes and `torsion` G I_t
-    in N m2; `hinge_stiffness` n, of hinges n 2EA/L and n 6EI/L; mass (kg/m) and `rotary` inertia
-    (kg m) per length.
+    Arguments: EA in N, EI about both axes in N m2; n of `hinges` of n 2EA/L and n 6EI/L; `length`
+    in m; which ends are `pins`, which carry no moment.
     """
-
-    surface: BiaxialSurface
-    strength: tuple[float, float, float]
-    axial: float
-    bending: tuple[float, float]
-    torsion: float
-    hinge_stiffness: float
-    mass: float
-    rotary: float
-
-    def stiffness(self, length: float, pinned: Flags = NO_PINS) -> Array:
-        """Elastic stiffness of N and both moments at the start and at the end (5, 5).
-
-        Ends that are `pinned` carry no moment.
-        """
-        n, softness = self.hinge_stiffness, np.zeros((5, 5))
-        softness[0, 0] = length / self.axial * (1.0 + 1.0 / n)
-        for i, bending in enumerate(self.bending, 1):
-            bend = length / (6.0 * bending)
-            softness[i, i] = softness[i + 2, i + 2] = bend * (2.0 + 1.0 / n)
-            softness[i, i + 2] = softness[i + 2, i] = -bend
-        carries = np.ix_(*2 * [np.flatnonzero(~np.repeat([False, *pinned], [1, 2, 2]))])
-        stiffness = np.zeros_like(softness)
-        stiffness[carries] = np.linalg.inv(softness[carries])
-        return stiffness
+    softness = np.zeros((5, 5))
+    softness[0, 0] = length / axial * (1.0 + 1.0 / hinges)
+    for i, each in enumerate(bending, 1):
+        bend = length / (6.0 * each)
+        softness[i, i] = softness[i + 2, i + 2] = bend * (2.0 + 1.0 / hinges)
+        softness[i, i + 2] = softness[i + 2, i] = -bend
+    carries = np.ix_(*2 * [np.flatnonzero(~np.repeat([False, *pins], [1, 2, 2]))])
+    stiffness = np.zeros_like(softness)
+    stiffness[carries] = np.linalg.inv(softness[carries])
+    return stiffness
 
 
 class SpaceBars(NamedTuple):
@@ -82,11 +62,12 @@ class HingedState(NamedTuple):
 
 
 class SpaceSuperelements(SpaceElements):
-    """Superelements in space.
+    """Superelements in space, elastic bars between two hinges alike.
 
-    Arguments: `nodes` (elements, 2); which of the `bars` each has, `of` (elements,); `lengths` in
-    m; `heights` and `axes`, see `SpaceElements`; `regularisation`, share of the elastic stiffness
-    beside hinges that yield; which ends are `pinned` (elements, 2).
+    Arguments: `nodes` (elements, 2); the members of the `frame`, one after the other, that each
+    element is of, `of` (elements,); `lengths` in m; `heights` and `axes`, see `SpaceElements`;
+    `hinge_stiffness`, see `_stiffness`; `regularisation`, share of the elastic stiffness beside
+    hinges that yield.
     """
 
     kernels: Any = hinge_kernels
@@ -95,23 +76,34 @@ class SpaceSuperelements(SpaceElements):
 
     def __init__(
         self,
+        frame: Frame,
         nodes: ArrayLike,
         of: Indices,
-        bars: Sequence[SpaceBar],
         lengths: Array,
         heights: ArrayLike,
-        axes: ArrayLike | None = None,
-        regularisation: float = 1e-6,
-        pinned: Flags | None = None,
+        axes: ArrayLike,
+        hinge_stiffness: float,
+        regularisation: float,
     ) -> None:
-        count = len(of)
+        count, steel, members = len(of), frame.steel, frame.members
         self._orient(count, heights, axes)
-        strength = np.array([[*bar.strength, *bar.strength[1:]] for bar in bars])[of]
-        pins = np.zeros((count, 2), dtype=bool) if pinned is None else pinned
-        each = zip(of, lengths, pins, strict=True)
-        stiffness = np.stack([bars[i].stiffness(length, ends) for i, length, ends in each])
-        torsion = np.array([bar.torsion for bar in bars])[of] / lengths
-        surfaces = np.array([bar.surface.record for bar in bars])
+        sections = [frame.strength_section(member).about("strong") for member in members]
+        both = [frame.about_both(member) for member in members]
+        moments = np.array([[each.plastic_moment for each in pair] for pair in both])
+        strength = np.column_stack([[s.squash_load for s, _ in both], moments, moments])[of]
+        axial = steel.elastic_modulus * np.array([strong.area for strong, _ in both])
+        bending = np.array([[each.second_moment for each in pair] for pair in both])
+        bending *= steel.elastic_modulus
+        pins = np.zeros((count, 2), dtype=bool)
+        first = np.flatnonzero(np.diff(of, prepend=-1))
+        ends = np.stack([first, np.append(first[1:], count) - 1], axis=1)
+        joints = map(frame.joints_of, members)
+        pins[ends, [0, 1]] = [[j.rotational_stiffness == 0.0 for j in pair] for pair in joints]
+        each = zip(axial[of], bending[of], lengths, pins, strict=True)
+        stiffness = np.stack([_stiffness(a, b, hinge_stiffness, *more) for a, b, *more in each])
+        twist = np.array([torsion_constants(section)[0] for section in sections])
+        torsion = steel.shear_modulus * twist[of] / lengths
+        surfaces = np.array([surface_in_space(section).record for section in sections])
         scaled = stiffness / (strength[:, :, None] * strength[:, None, :])
         rooms = np.zeros(count, ROOM)
         given = surfaces, of, strength, scaled, torsion, regularisation, self._axes, rooms
@@ -123,8 +115,8 @@ class SpaceSuperelements(SpaceElements):
             np.zeros((count, 7)),
             np.zeros((count, 5)),
         )
-        mass, rotary = np.array([[bar.mass, bar.rotary] for bar in bars])[of].T
-        super().__init__(nodes, state, mass, rotary / mass)
+        mass = np.array([[s.mass_per_length, s.rotary_inertia] for s, _ in both])[of].T
+        super().__init__(nodes, state, mass[0], mass[1] / mass[0])
 
     def plastic_turns(self) -> Array:
         """Committed plastic rotations of both hinges about both axes (elements, 2)."""
