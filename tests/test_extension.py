@@ -107,14 +107,14 @@ class StraightHinge(FrameModel):
     sources: ClassVar[tuple[str, ...]] = ("orbison1982",)
     assumptions: ClassVar[tuple[str, ...]] = ("Straight yield line.",)
 
-    def group(self, frame, cut):
+    def group(self, cut):
         """Bars with these hinges."""
-        return hinged_group(self, frame, cut, straight_end)
+        return hinged_group(self, cut, straight_end)
 
 
-def straight_end(frame, piece, side):
+def straight_end(piece, side):
     """The hinge at one end."""
-    return replace(plastic_end(frame, piece, side), curve=STRAIGHT)
+    return replace(plastic_end(piece, side), curve=STRAIGHT)
 '''
 LAW = '''@dataclass(frozen=True)
 class HyperbolicLaw(Law):
@@ -160,7 +160,7 @@ from workbench.scenarios import load_scenario
 from workbench.studs import fit_load_slip
 from workbench.studs.tables import shipped
 from workbench.study import Case, Figure, Gate, Study, assess, run_study
-from workbench.study.tables import rows_of
+from workbench.base.tables import plain_rows
 
 study = Study(
     "added", "Added", "What does an addition cost?",
@@ -183,7 +183,7 @@ print(json.dumps({
     "half slip": slips.population["half_slip"].estimates["median"],
     "verb": status,
     "outcomes": list(found.tables["cells"]["outcome"]),
-    "velocities": [row["largest_velocity"] for row in rows_of(found.tables["cells"])],
+    "velocities": [row["largest_velocity"] for row in plain_rows(found.tables["cells"])],
     "squared": found.verdicts[0].cases[0].value,
     "drawn": "Bars of largest_velocity." in html,
 }))

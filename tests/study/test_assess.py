@@ -12,6 +12,7 @@ import pytest
 from toy_models import Spring, Troubled
 
 from workbench.base.errors import InputError
+from workbench.base.tables import plain_rows
 from workbench.models.base import respond
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.single_dof import SingleDof
@@ -25,7 +26,6 @@ from workbench.study.tables import (
     lists,
     numbers,
     read_table,
-    rows_of,
     table,
     texts,
     write_table,
@@ -437,7 +437,7 @@ def test_a_table_is_read_as_it_was_written(tmp_path: Path) -> None:
     for typed in (table(rows, columns), table([], columns)):
         write_table(tmp_path / "t", typed)
         pd.testing.assert_frame_equal(read_table(tmp_path / "t"), typed, check_exact=True)
-    assert rows_of(table(rows, columns))[1] == {
+    assert plain_rows(table(rows, columns))[1] == {
         **{"case": "", "V/Vpl of the mechanism": "slow", "a": None, "b": np.inf, "n": 0},
         "reasons": None,
     }

@@ -308,3 +308,10 @@ def _numbers(cells: Cells, line: int, row: list[str], columns: Mapping[str, Numb
         raise InputError(place, ",".join(row), f"must be {count} numbers", advice)
     held = zip(columns.items(), numbers, strict=True)
     return [float(rule.check(f"{place}, {column}", value)) for (column, rule), value in held]
+
+
+def plain_rows(table: "pd.DataFrame") -> list[dict[str, Any]]:
+    """Rows of a table as plain values; numbers that are not known are None."""
+    plain = table.astype(object)
+    known = plain.where(plain.notna(), None)
+    return [dict(zip(map(str, table), row, strict=True)) for row in known.to_numpy().tolist()]

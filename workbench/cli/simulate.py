@@ -370,7 +370,7 @@ def sweep(
         raise InputError("--over", [key for key, _ in pairs], "must name each key once")
     given = load_scenario(scenario, settings or [])
     from workbench.api.sweeps import sweep as swept
-    from workbench.study.tables import rows_of
+    from workbench.base.tables import plain_rows
 
     with at_work("the sweep at work"):
         how = Reading(sheet, sep, decimal)
@@ -385,7 +385,7 @@ def sweep(
         from workbench.report.gallery import save
 
         save(sweep_chart(answers, picture.name), picture)
-    rows = rows_of(table)
+    rows = plain_rows(table)
     outcomes = table["outcome"].value_counts()
     keys = [str(key) for key in (values if rows_of_cases is None else rows_of_cases)]
     content: dict[str, Any] = {"scenario": given.name, "over": keys, "answers": rows}

@@ -39,7 +39,7 @@ from workbench.steel.sections.slenderness import plates_of
 
 BUCKLING_WARNING = 2.0  # critical factor below which second-order effects dominate
 _ENOUGH = 8  # bars of members that a light striker does not hit: their first modes within 3 %
-_MUCH_SHARED = 0.08  # of the energy, lost in the first collision with the elements beside it
+MUCH_SHARED = 0.08  # of the energy, lost in the first collision with the elements beside it
 _SHARE = 0.1  # of the mass, that may be missing
 STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
 SLENDER = 0.83 * 86.4 / STOCKY  # of that: chi_w = 0.83 / lambda_w is 1, EN 1993-1-5, table 5.1
@@ -99,10 +99,10 @@ def _dead_load_findings(frame: Frame) -> list[Finding]:
     return findings
 
 
-def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Finding]:
+def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int], much: float) -> list[Finding]:
     """Warnings of a striker that is light beside the members it hits, or beside their elements.
 
-    Lumped mass of elements takes energy in the first collision, which a beam keeps.
+    Lumped mass of elements takes energy in the first collision, which a beam keeps: `much` of it.
     """
     if not isinstance(scenario, FrameImpact):
         return []
@@ -117,7 +117,7 @@ def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Fin
     if share < 1.0 and fewest < _ENOUGH:
         wanted = max(_ENOUGH, *parts)  # fewer beside the node share more mass with the striker
         light = [finding("light-striker", share, share=share, fewest=fewest, wanted=wanted)]
-    if lost <= _MUCH_SHARED or striker.crushes:  # which does not collide at an instant
+    if lost <= much or striker.crushes:  # which does not collide at an instant
         return light
     hit = finding("hit-mass", lost, node=striker.node, mass=shared, percent=100.0 * lost)
     return [*light, hit]

@@ -53,7 +53,7 @@ from workbench.mechanics.structures.paths import (
     follow_load,
 )
 from workbench.models.base import respond
-from workbench.models.domain import hit_mass_findings, member_findings
+from workbench.models.domain import MUCH_SHARED, hit_mass_findings, member_findings
 from workbench.models.hit_mass import light_impact_mass
 from workbench.models.strain_rate import with_rate
 from workbench.responses import Finding, Response, finding, findings_of, set_findings
@@ -146,10 +146,10 @@ class FrameModel(ABC, Declared, table="option"):
     (None: by rule); `halvings`, how often steps are halved; `collision_halvings`, see `impact`;
     `largest_error` of the energy ledger over the input energy that an impact may have. Of its bars
     `least_parts` of a struck member, and what their number is a multiple of, `most_parts` of one
-    hit by a striker; `far_parts` of members far from it (of one, mass is at the ends);
-    `euler_share` of a pin-ended bar, below which bars keep its squash load (0: any); whether
-    yielding is `concentrated` in hinges, with none between them. A model of another mesh has its
-    own `structure`, `limits`, `time_spans`.
+    hit by a striker, and how much of its energy their mass may share, `much_shared`; `far_parts` of
+    members far from it (of one, mass is at the ends); `euler_share` of a pin-ended bar, below which
+    bars keep its squash load (0: any); whether yielding is `concentrated` in hinges, with none
+    between them. A model of another mesh has its own `structure`, `limits`, `time_spans`.
     """
 
     name: ClassVar[str]
@@ -164,6 +164,7 @@ class FrameModel(ABC, Declared, table="option"):
     least_parts: ClassVar[int] = 1
     far_parts: ClassVar[int] = 2
     most_parts: ClassVar[int] = MOST_PARTS
+    much_shared: ClassVar[float] = MUCH_SHARED
     euler_share: ClassVar[float] = 0.0
     concentrated: ClassVar[bool] = True
 
@@ -252,7 +253,7 @@ class FrameModel(ABC, Declared, table="option"):
     def limits(self, event: FrameScenario) -> list[Finding]:
         """Findings of the model alone: too few bars under a striker or a line load."""
         parts = self.parts(event)
-        findings = hit_mass_findings(event, parts)
+        findings = hit_mass_findings(event, parts, self.much_shared)
         if isinstance(event, FramePulse) and event.members:
             pairs = zip(event.frame.members, parts, strict=True)
             fewest = min(count for member, count in pairs if member.name in event.members)

@@ -12,6 +12,7 @@ from typing import Any
 import pandas as pd
 
 from workbench.base.errors import Collapse, InputError, Mechanism
+from workbench.base.tables import plain_rows
 from workbench.responses import (
     Finding,
     Outcome,
@@ -44,7 +45,6 @@ from workbench.study.tables import (
     lists,
     numbers,
     read_table,
-    rows_of,
     table,
     tabled,
     texts,
@@ -151,9 +151,9 @@ class Assessment:
     @cached_property
     def cells(self) -> dict[tuple[str, str], CellState]:
         """Every cell of the study by (case, label), in the order of the study."""
-        known = {(row["case"], row["label"]): row for row in rows_of(self.tables["cells"])}
+        known = {(row["case"], row["label"]): row for row in plain_rows(self.tables["cells"])}
         findings: dict[tuple[str, str], list[Finding]] = {}
-        for row in rows_of(self.tables["findings"]):
+        for row in plain_rows(self.tables["findings"]):
             findings.setdefault((row["case"], row["label"]), []).append(Finding.from_dict(row))
         cells = {}
         for key in ((case.name, label) for case, label in self.study.cells()):
@@ -221,7 +221,7 @@ class Assessment:
         table = self.tables[name]
         for column, value in values.items():
             table = table[table[column] == value]
-        return rows_of(table)
+        return plain_rows(table)
 
     def errors(self, quantity: str, metric: str, against: str) -> dict[tuple[str, str], Row]:
         """Comparisons of one quantity by one metric, by (case, label).

@@ -70,13 +70,6 @@ def tabled(
     return typed
 
 
-def rows_of(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """Rows of a table as plain values; numbers that are not known are None."""
-    plain = table.astype(object)
-    known = plain.where(plain.notna(), None)
-    return [dict(zip(map(str, table), row, strict=True)) for row in known.to_numpy().tolist()]
-
-
 def csv_bytes(table: pd.DataFrame) -> bytes:
     """A table as CSV: numbers keep all digits, unknown ones are empty, lists JSON."""
     return for_spreadsheets(_plain_lists(table)).to_csv(index=False, lineterminator="\n").encode()

@@ -16,6 +16,7 @@ from scipy.stats import beta
 from scipy.stats import t as student
 
 from workbench.base.catalogue import dataset
+from workbench.base.tables import plain_rows
 from workbench.extras.intake.add import add_table
 from workbench.report.build import build_report, document, summary
 from workbench.report.chapters.answer import in_brief
@@ -24,7 +25,6 @@ from workbench.report.page.documents import render_markdown
 from workbench.report.page.terminal import show
 from workbench.study import Study, load_study, run_study
 from workbench.study.assessor import Assessment, assess, read_assessment
-from workbench.study.tables import rows_of
 
 ROOT = Path(__file__).resolve().parents[3]
 FILE = ROOT / "studies" / "impact_tests.py"
@@ -95,8 +95,8 @@ def test_synthetic_rows_judge_nothing_and_are_named_everywhere(
     # a bound that every number breaks fails no model either
     strict = replace(study, gates=tuple(replace(gate, bound=1e-9) for gate in study.gates))
     assert {v.verdict.value for v in assess(strict, empty).verdicts} == {"inconclusive"}
-    assert all(row["synthetic"] for row in rows_of(result.tables["validation"]))
-    assert all(row["synthetic"] == 2 for row in rows_of(result.tables["matrix"]))
+    assert all(row["synthetic"] for row in plain_rows(result.tables["validation"]))
+    assert all(row["synthetic"] == 2 for row in plain_rows(result.tables["matrix"]))
     build_report(read_assessment(result.directory, study), formats=("html",))
     page = (result.directory / "report" / "report.html").read_text(encoding="utf-8")
     assert f"<h1>{MARK}Impacts" in page
@@ -139,13 +139,13 @@ def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) 
     result = ran(study, Path("reports"))
     rows = {
         (row["model"], row["quantity"]): row
-        for row in rows_of(result.tables["validation"])
+        for row in plain_rows(result.tables["validation"])
         if not row["synthetic"]
     }
     row = rows["energy estimate", "peak_displacement"]
     cells = {
         (cell["case"], cell["label"]): cell["peak_displacement"]
-        for cell in rows_of(result.tables["cells"])
+        for cell in plain_rows(result.tables["cells"])
     }
     ratios = np.array([peak / cells[n, "energy estimate"] for n, peak in tested.items()])
     lines = csv.DictReader(dataset("lab").path.read_text(encoding="utf-8").splitlines())
@@ -167,11 +167,11 @@ def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) 
     verdicts = {verdict.verdict.value for verdict in result.verdicts}
     assert verdicts <= {"pass", "fail", "inconclusive"}
     assert not any(case.doubt for verdict in result.verdicts for case in verdict.cases)
-    assert {row["against"] for row in rows_of(result.tables["cost"])} <= {
+    assert {row["against"] for row in plain_rows(result.tables["cost"])} <= {
         "4-DOF",
         "energy estimate",
     }
-    assert "tests" not in {row["label"] for row in rows_of(result.tables["cost"])}
+    assert "tests" not in {row["label"] for row in plain_rows(result.tables["cost"])}
     page = render_markdown(document(study, read_assessment(result.directory, study), []))
     assert "SYNTHETIC" not in page
     assert "No tests here: no measured impact" not in page
@@ -181,7 +181,7 @@ def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) 
     fewer = study_here(4)
     (row,) = (
         row
-        for row in rows_of(assess(fewer, Path("reports")).tables["validation"])
+        for row in plain_rows(assess(fewer, Path("reports")).tables["validation"])
         if (row["model"], row["quantity"]) == ("energy estimate", "peak_displacement")
     )
     logs = np.log(ratios[:4])

@@ -10,6 +10,7 @@ from typing import Any
 
 import pandas as pd
 
+from workbench.base.tables import plain_rows
 from workbench.report.page import formatting
 from workbench.report.page.bibliography import cited
 from workbench.report.page.markdown import Cell, Markdown, PageColumn, Table
@@ -19,7 +20,6 @@ from workbench.studs.fit_protocol import Tables, ranked
 from workbench.studs.formulas import FORMULAS
 from workbench.studs.load_slip import LAWS
 from workbench.studs.relations import ANCHORED, RELATIONS
-from workbench.study.tables import rows_of
 
 Head = Mapping[str, Any]  # what was asked of a fit
 Row = dict[str, Any]
@@ -29,7 +29,7 @@ _GRADE_WIDTH = 30  # characters of a line
 
 def records(table: pd.DataFrame) -> list[Row]:
     """The rows of a data frame; None where nothing is known, and for a column that is not there."""
-    return [defaultdict(lambda: None, row) for row in rows_of(table)]
+    return [defaultdict(lambda: None, row) for row in plain_rows(table)]
 
 
 def page(part: str, tables: Tables, **values: Any) -> Markdown:

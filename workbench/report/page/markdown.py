@@ -200,9 +200,9 @@ class Table:
             listed += columns
         listing: Any = records
         if hasattr(listing, "itertuples"):
-            from workbench.study.tables import rows_of
+            from workbench.base.tables import plain_rows
 
-            listing = rows_of(listing)
+            listing = plain_rows(listing)
         rows = tuple(tuple(column.cell(record) for column in listed) for record in listing)
         heads = [replace(column, of="") for column in listed]
         if isinstance(columns, Mapping):

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
+from workbench.base.tables import plain_rows
 from workbench.extras.intake.impact_tests.rows import STANDS, scenario_of
 from workbench.models.domain import LEAST_LOAD
 from workbench.models.energy_estimate import EnergyEstimate
@@ -17,7 +18,6 @@ from workbench.responses import Finding, Outcome, finding, outcome_of
 from workbench.scenarios import ColumnImpact
 from workbench.studs.schema import Row, known
 from workbench.studs.tables import copies
-from workbench.study.tables import rows_of
 
 USUAL = 4.0  # factor by which the estimate may miss the median of a campaign
 # what the numbers may have been in: unit, and factors on velocity and mass that put it right
@@ -35,7 +35,7 @@ _NUMBERS = ("span_m", "hit_at_m", "axial_load_N", "mass_kg", "velocity_m_per_s",
 
 def suspicions(rows: pd.DataFrame) -> list[Finding]:
     """Findings on implausible rows of a table of impact tests, one per suspicion."""
-    campaigns = {str(name): rows_of(of) for name, of in rows.groupby("campaign", sort=False)}
+    campaigns = {str(name): plain_rows(of) for name, of in rows.groupby("campaign", sort=False)}
     copied = (finding("same-test", first=a, second=b) for a, b in same_contents(rows))
     return [
         *(each for name, of in campaigns.items() for each in _loads(name, of)),
@@ -55,7 +55,7 @@ def same_contents(rows: pd.DataFrame) -> list[tuple[str, str]]:
     """Names of rows that hold the same numbers, a measured peak among them."""
     return copies(
         (f"{row['campaign']} {row['specimen']}", tuple(known(row, n) or 0.0 for n in _NUMBERS))
-        for row in rows_of(rows)
+        for row in plain_rows(rows)
         if known(row, "peak_m") is not None
     )
 

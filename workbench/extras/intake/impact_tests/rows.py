@@ -14,6 +14,7 @@ from typing import Any
 
 from workbench.base.catalogue import IMPACT_TESTS, SYNTHETIC, Dataset, dataset, datasets
 from workbench.base.errors import Collapse, InputError, Mechanism
+from workbench.base.tables import plain_rows
 from workbench.scenarios import ColumnImpact, scenario_from, scenario_hash
 from workbench.studs.schema import (
     Row,
@@ -24,7 +25,6 @@ from workbench.studs.schema import (
     known,
     templates_in,
 )
-from workbench.study.tables import rows_of
 
 # measured quantities: response variable, column, and column of its half-width
 MEASURED = {
@@ -186,7 +186,7 @@ def impact_tests(name: str | None = None) -> tuple[ImpactTest, ...]:
 def _rows(path: Path, digest: str) -> tuple[tuple[Row, ColumnImpact], ...]:
     """The rows of a table with their scenarios; `digest` of the file renews them."""
     rows = examine(path, IMPACTS).accept()
-    return tuple((row, scenario_of(row)) for row in rows_of(rows))
+    return tuple((row, scenario_of(row)) for row in plain_rows(rows))
 
 
 def _test(group: list[tuple[Dataset, Row, ColumnImpact]]) -> ImpactTest:

@@ -127,11 +127,11 @@ def _slice(text: str) -> tuple[int, int]:
 
 def _tabled(chunks: list[Chunk], target: Path | None) -> Answer:
     """The table of chunks: summed up, and written where it has a file and is no folder."""
+    from workbench.base.tables import plain_rows
     from workbench.extras.uncertainty.chunks import joined
     from workbench.extras.uncertainty.inputs import uncertain_from_text
     from workbench.models.batch import FAILURE, OUTCOME
     from workbench.report.page.formatting import title_of
-    from workbench.study.tables import rows_of
 
     table = joined(chunk.table() for chunk in chunks)
     uncertain = uncertain_from_text(chunks[0].labels["scenario"])
@@ -143,7 +143,7 @@ def _tabled(chunks: list[Chunk], target: Path | None) -> Answer:
     numbers = [each for each in table.columns if each not in (*uncertain.names, OUTCOME, FAILURE)]
     quantiles = table[numbers].quantile(list(_SHARES)).T.add_prefix("q")
     quantiles.insert(0, "answers", table[numbers].count())
-    rows = rows_of(quantiles.rename_axis("quantity").reset_index())
+    rows = plain_rows(quantiles.rename_axis("quantity").reset_index())
     content = {"scenario": name, "model": model, "outcomes": outcomes, "quantiles": rows}
     texts = ", ".join(f"{n} {each}" for each, n in outcomes.items())
     columns = {str(each): each for each in quantiles}
