@@ -299,8 +299,9 @@ def _faster(scenario: Any) -> Any:
 
 
 ORDER = (ANCHOR, REFERENCE, FINEST)
-SPATIAL = ("seven-dof", "fiber-space", "shell")  # of hits off the plane of bending
-IN_SPACE = ("superelement-space", "fiber-space")  # of frames
+IN_SPACE = ("superelement-space", "fiber-space")  # of frames that are hit off their plane
+SPATIAL = (*IN_SPACE, "shell")  # of columns
+RUBBED = ("seven-dof", *SPATIAL[1:])  # by a face with friction
 REMAINING = ("residual_displacement", "displacement", "peak_displacement")
 CLOSE, UNMEASURED = "close-to-collapse", "error-not-measured"  # subjects
 NONE = "no model of more trust is inside its domain here"
@@ -439,8 +440,7 @@ class ModelChoice:
 def choose(scenario: Any) -> ModelChoice:
     """The anchor, where it is warned of the beam that judges; the anchor too if no model will do.
 
-    The solid takes minutes: it is a remedy, no choice. Off the plane of bending `SPATIAL`, of
-    frames `IN_SPACE`.
+    The solid takes minutes: it is a remedy, no choice. Off the plane of bending see `order_of`.
     """
     error = anchor_error(scenario)
     order = order_of(scenario)
@@ -468,7 +468,8 @@ def quick_reference(scenario: Any) -> str:
 def order_of(scenario: Any) -> tuple[str, ...]:
     """The quickest model of a scenario, its quick reference and its finest one."""
     if isinstance(scenario, ColumnImpact):
-        return SPATIAL if is_oblique(scenario) or _is_beside(scenario) else ORDER
+        spatial = RUBBED if scenario.striker.friction else SPATIAL
+        return spatial if is_oblique(scenario) or _is_beside(scenario) else ORDER
     return IN_SPACE if isinstance(scenario, FrameScenario) and is_oblique(scenario) else ORDER
 
 
