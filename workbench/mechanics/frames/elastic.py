@@ -23,11 +23,12 @@ from threadpoolctl import ThreadpoolController
 
 from workbench.base.arrays import Array
 from workbench.mechanics.frames import out_of_domain
-from workbench.mechanics.frames.members import chains, shear_stiffness, twist_stiffness
+from workbench.mechanics.frames.members import chains, shear_stiffness
 from workbench.mechanics.frames.structure import dead_loads, hinge_names, nodal_loads, series
 from workbench.mechanics.structures.assembly import COMPONENTS, SPATIAL
 from workbench.scenarios import Frame, FrameImpact, Load, Member, Node
 from workbench.scenarios.parts import COMPONENT, OVERRIDES
+from workbench.steel.sections.slenderness import twist_stiffness
 
 NO_STIFFNESS = 1e-11  # eigenvalue of the scaled stiffness that counts as none
 UNBALANCED = 1e-6  # share of a load that meets no stiffness

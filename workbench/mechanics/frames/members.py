@@ -18,7 +18,6 @@ from workbench.scenarios.parts import MemberEnd, Node
 from workbench.steel.hinges.interaction import SHEARED
 from workbench.steel.materials import Steel
 from workbench.steel.sections import CircularTube, ISection, Rectangle, Section, TurnedISection
-from workbench.steel.sections.slenderness import torsion_constants
 
 STRAIGHT = 1e-6  # sine of the largest kink
 NAMED = 4  # members that a sentence names
@@ -179,11 +178,6 @@ def residual_findings(frame: Frame, pattern: str) -> list[Finding]:
 def shear_stiffness(section: Section, steel: Steel) -> float:
     """Elastic shear stiffness of a section in N: G A_v, of upright rectangles a share of it."""
     return SHEARED.get(type(section.shape), 1.0) * steel.shear_modulus * section.shear_area
-
-
-def twist_stiffness(section: Section, steel: Steel) -> float:
-    """St Venant's torsional stiffness of a section, G I_t, in N m2."""
-    return steel.shear_modulus * torsion_constants(section)[0]
 
 
 @lru_cache(maxsize=256)

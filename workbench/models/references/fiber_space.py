@@ -15,7 +15,7 @@ import numpy as np
 
 from workbench.base.arrays import Array
 from workbench.base.fields import Number, checked
-from workbench.mechanics.frames.members import LAYERS, NAMED, twist_stiffness
+from workbench.mechanics.frames.members import LAYERS, NAMED
 from workbench.mechanics.frames.structure import (
     FrameStructure,
     apply_dead_loads,
@@ -53,6 +53,7 @@ from workbench.scenarios import (
 from workbench.scenarios.frame_events import azimuth, facing
 from workbench.scenarios.parts import HELD_BESIDE, PINNED, RIGID
 from workbench.steel.hinges.interaction import surface_in_space
+from workbench.steel.sections.slenderness import twist_stiffness
 
 BESIDE = {"sideways": "w", "twist": "turn_y"}  # histories of a column by component
 

@@ -167,6 +167,11 @@ def torsion_constants(section: Section) -> tuple[float, float]:
     return long * short**3 * (1.0 - 0.63 * ratio * (1.0 - ratio**4 / 12.0)) / 3.0, 0.0
 
 
+def twist_stiffness(section: Section, steel: Steel) -> float:
+    """St Venant's torsional stiffness of a section, G I_t, in N m2."""
+    return steel.shear_modulus * torsion_constants(section)[0]
+
+
 def lateral_torsional(
     shape: ISection, steel: Steel, length: float, moment: float
 ) -> LateralBuckling:

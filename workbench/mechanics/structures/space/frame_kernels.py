@@ -469,7 +469,7 @@ def add_moved_element(step, bars, e, axes, old, moved, end, middle, Q, C):
                     for j in range(3, 12):
                         CB[i, j] += stiffness * end.B[c, j]
         geometric(at, Q, K)
-        columns_by(K, maps[0], maps[1])
+        columns_by(K[3:], maps[0], maps[1])
         for i in range(3, 12):
             for j in range(6, 9):
                 K[i, j] *= way

@@ -11,7 +11,7 @@ from workbench.mechanics.structures.space.beams import SpaceElements
 from workbench.scenarios import Frame
 from workbench.steel.hinges.biaxial_kernels import ROOM
 from workbench.steel.hinges.interaction import surface_in_space
-from workbench.steel.sections.slenderness import torsion_constants
+from workbench.steel.sections.slenderness import twist_stiffness
 
 
 def _stiffness(axial: float, bending: Array, hinges: float, length: float, pins: Flags) -> Array:
@@ -101,8 +101,8 @@ class SpaceSuperelements(SpaceElements):
         pins[ends, [0, 1]] = [[j.rotational_stiffness == 0.0 for j in pair] for pair in joints]
         each = zip(axial[of], bending[of], lengths, pins, strict=True)
         stiffness = np.stack([_stiffness(a, b, hinge_stiffness, *more) for a, b, *more in each])
-        twist = np.array([torsion_constants(section)[0] for section in sections])
-        torsion = steel.shear_modulus * twist[of] / lengths
+        twist = np.array([twist_stiffness(section, steel) for section in sections])
+        torsion = twist[of] / lengths
         surfaces = np.array([surface_in_space(section).record for section in sections])
         scaled = stiffness / (strength[:, :, None] * strength[:, None, :])
         rooms = np.zeros(count, ROOM)
