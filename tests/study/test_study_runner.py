@@ -4,12 +4,13 @@ import dataclasses
 import hashlib
 import json
 import sys
+from concurrent.futures import Future
 from pathlib import Path
 
 import pytest
 from toy_models import Spring, Troubled
 
-from workbench.base.errors import InputError
+from workbench.base.errors import InputError, WorkbenchError
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import ColumnImpact
 from workbench.study import Case, CellProgress, Store, Study, cells_of, gather, run_study, survey
@@ -303,11 +304,32 @@ def test_slashes_in_names(toy_study: Study, tmp_path: Path, thesis_impact: Colum
 def test_workers_that_cannot_start_end_the_run_with_a_reason(
     toy_study: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from workbench.base.errors import WorkbenchError
 
     task = dataclasses.replace(task_of(cells_of(toy_study)[0]), payload=b"cnowhere\nNothing\n.")
     with pytest.raises(WorkbenchError, match="cannot handle its cell: ModuleNotFoundError"):
         list(Workers(1).run([task]))
+
+
+@pytest.mark.parametrize("knows", [True, False], ids=["refuses the task", "forgets the task"])
+def test_a_pool_that_breaks_at_once_is_told(
+    toy_study: Study, monkeypatch: pytest.MonkeyPatch, knows: bool
+) -> None:
+    """A worker killed before its pool has taken the task down: no answer of it will ever come."""
+
+    class Broken:
+        active = False
+
+        def __init__(self, *arguments: object, **options: object) -> None: ...
+        def stop(self) -> None: ...
+        def join(self) -> None: ...
+        def schedule(self, *arguments: object, **options: object) -> Future[object]:
+            if knows:
+                raise RuntimeError("Unexpected error within the Pool")
+            return Future()
+
+    monkeypatch.setattr("workbench.study.runner.ProcessPool", Broken)
+    with pytest.raises(WorkbenchError, match="a worker process ended before it had a cell"):
+        list(Workers(1).run([task_of(cells_of(toy_study)[0])]))
 
 
 def test_scheduler_without_the_library(

@@ -96,16 +96,36 @@ class Workers:
                     for task in islice(waiting, self.jobs - len(at_work)):
                         with deaf_to_interrupts():  # processes start with the first task
                             limit = None if _ALARM else task.limit
-                            answer = pool.schedule(_answer, (task,), timeout=limit)
+                            try:
+                                answer = pool.schedule(_answer, (task,), timeout=limit)
+                            except RuntimeError as error:  # the pool is broken
+                                raise _no_workers() from error
                         at_work[answer] = task, time.monotonic()
                     if not at_work:
                         return
-                    for future in wait(at_work, return_when=FIRST_COMPLETED).done:
+                    for future in _ready(at_work, pool):
                         task, since = at_work.pop(future)
                         yield _result_of(future, task, time.monotonic() - since)
             finally:
                 pool.stop()
                 pool.join()
+
+
+def _ready(at_work: Iterable[Any], pool: Any) -> set[Any]:
+    """The futures that are done: at least one. Raises `WorkbenchError` for a broken pool.
+
+    A pool that breaks before it has taken a task down never speaks of that task again.
+    """
+    while not (ready := wait(at_work, 1.0, FIRST_COMPLETED).done):
+        if not pool.active:
+            raise _no_workers()
+    return ready
+
+
+def _no_workers() -> WorkbenchError:
+    why = "a script that runs a study needs: if __name__ == '__main__'; else somebody or the "
+    why += "system stopped it: is there memory for this many --jobs?"
+    return WorkbenchError(f"a worker process ended before it had a cell; {why}")
 
 
 def _result_of(future: Any, task: Task, seconds: float) -> Result:
@@ -123,9 +143,7 @@ def _result_of(future: Any, task: Task, seconds: float) -> Result:
         message = f"the worker process ended {how} in this cell"
         return unanswered(task, Outcome.CRASHED, message, seconds)
     except BrokenProcessPool as error:
-        why = "a script that runs a study needs: if __name__ == '__main__'; else somebody or the "
-        why += "system stopped it: is there memory for this many --jobs?"
-        raise WorkbenchError(f"a worker process ended before it had a cell; {why}") from error
+        raise _no_workers() from error
     except Exception as error:  # not the model's: its failures are results
         text = f"a worker process cannot handle its cell: {type(error).__name__}: {error}"
         raise WorkbenchError(text) from error
