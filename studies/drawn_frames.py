@@ -15,6 +15,7 @@ from itertools import chain
 from math import exp, log, sqrt
 
 import numpy as np
+from drawn_columns import with_law
 
 from workbench.cli import main
 from workbench.mechanics.frames.collapse import collapse_factor
@@ -29,7 +30,8 @@ from workbench.steel.materials import Steel
 from workbench.steel.sections import find, rectangular_tube
 from workbench.study import Case, Figure, Study
 
-SEED, LIGHT_SEED, FRAMES, LIGHT, QUICK = 29, 58, 100, 90, 6
+SEED, LIGHT_SEED, LARGE_SEED, RATE_SEED, QUICK = 29, 58, 59, 61, 6
+FRAMES, LIGHT, LARGE, RATES = 100, 90, 90, 80
 REFERENCE, FLEXIBLE = "web-yielding frame", "flexible superelements"
 models = {
     REFERENCE: FiberShear(levels=1),
@@ -52,12 +54,14 @@ def _rounded(value: float) -> float:
     return float(f"{value:.4g}")
 
 
-def drawn_frame(rng: np.random.Generator) -> Frame:
-    """A frame, dead loads and masses on every joint above the ground."""
+def drawn_frame(rng: np.random.Generator, large: bool = False) -> Frame:
+    """A frame, of up to three bays and six storeys if `large`; dead loads and masses on joints."""
     section, beam = COLUMNS[rng.integers(len(COLUMNS))], BEAMS[rng.integers(len(BEAMS))]
     steel = Steel(yield_stress=STEELS[rng.integers(len(STEELS))])
-    bays = [_rounded(rng.uniform(3.5, 7.0)) for _ in range(1 + (rng.random() < 0.4))]
-    storeys = [_rounded(rng.uniform(2.8, 4.5)) for _ in range(1 + (rng.random() < 0.4))]
+    spans = rng.integers(1, 4) if large else 1 + (rng.random() < 0.4)
+    bays = [_rounded(rng.uniform(3.5, 7.0)) for _ in range(spans)]
+    levels = rng.integers(2, 7) if large else 1 + (rng.random() < 0.4)
+    storeys = [_rounded(rng.uniform(2.8, 4.5)) for _ in range(levels)]
     joint = "pinned" if rng.random() < 0.15 else "rigid"
     base = "pinned" if joint == "rigid" and rng.random() < 0.25 else "clamped"
     frame = regular_frame(bays, storeys, section, beam, base, steel, beam_joint=joint)
@@ -72,14 +76,16 @@ def drawn_frame(rng: np.random.Generator) -> Frame:
     return replace(frame, nodes=nodes, loads=loads)
 
 
-def drawn(number: int, rng: np.random.Generator, light: bool = False) -> FrameImpact | None:
-    """A hit on a frame, of a `light` striker or not.
+def drawn(
+    number: int, rng: np.random.Generator, light: bool = False, large: bool = False
+) -> FrameImpact | None:
+    """A hit on a frame, of a `light` striker or not, on a `large` frame or not.
 
     None on a frame that hardly carries its dead loads, or where a light striker is too fast.
     """
-    frame = drawn_frame(rng)
+    frame = drawn_frame(rng, large)
     storeys = sorted({node.y for node in frame.nodes})
-    axis = "ABC"[rng.integers(len({node.x for node in frame.nodes}))]
+    axis = "ABCD"[rng.integers(len({node.x for node in frame.nodes}))]
     level = int(len(storeys) > 2 and rng.random() < 0.2)
     height = storeys[level + 1] - storeys[level]
     member = frame.member(f"{axis}{level}-{axis}{level + 1}")
@@ -112,13 +118,24 @@ def drawn(number: int, rng: np.random.Generator, light: bool = False) -> FrameIm
     return FrameImpact(name, hit, struck, _rounded(lasts))
 
 
-def drawn_hits(seed: int, count: int, light: bool = False, first: int = 0) -> Iterator[FrameImpact]:
-    """Hits on frames, the same of a seed however many, numbered from the `first` on."""
+def drawn_hits(
+    seed: int,
+    count: int,
+    light: bool = False,
+    first: int = 0,
+    large: bool = False,
+    rate: bool = False,
+) -> Iterator[FrameImpact]:
+    """Hits on frames, the same of a seed however many, numbered from the `first` on.
+
+    On `large` frames, or on steel with a drawn rate law (`rate`), a third by light strikers.
+    """
     rng, number = np.random.default_rng(seed), first
     while number < first + count:
-        impact = drawn(number, rng, light)
+        is_light = light or ((large or rate) and rng.random() < 0.35)
+        impact = drawn(number, rng, is_light, large)
         if impact is not None:
-            yield impact
+            yield with_law(impact, rng) if rate else impact
             number += 1
 
 
@@ -127,7 +144,12 @@ def case_of(number: int, scenario: FrameImpact) -> Case:
     return Case(scenario.name, scenario, quick=number < QUICK)
 
 
-hits = chain(drawn_hits(SEED, FRAMES), drawn_hits(LIGHT_SEED, LIGHT, light=True, first=FRAMES))
+hits = chain(
+    drawn_hits(SEED, FRAMES),
+    drawn_hits(LIGHT_SEED, LIGHT, light=True, first=FRAMES),
+    drawn_hits(LARGE_SEED, LARGE, first=FRAMES + LIGHT, large=True),
+    drawn_hits(RATE_SEED, RATES, first=FRAMES + LIGHT + LARGE, rate=True),
+)
 cases = tuple(case_of(*pair) for pair in enumerate(hits))
 study = Study(
     name="drawn_frames",

@@ -8,7 +8,7 @@ those are no data.
 """
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import exp, log
 
@@ -30,7 +30,7 @@ from workbench.models.strain_rate import with_rate
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.scenarios import Column, ColumnImpact, Striker
 from workbench.steel.materials import Steel
-from workbench.steel.sections import find, rectangular_tube, square
+from workbench.steel.sections import Section, find, rectangular_tube, square
 from workbench.study import Case, Figure, Study
 from workbench.study.assessment.variations import rate_law
 from workbench.study.error_model.error_table import DEMAND as SHEAR
@@ -89,15 +89,23 @@ QUOTAS = np.array([[75, 85, 110], [80, 85, 110], [135, 110, 110]])  # columns a 
 DEMAND, TURNED, SHARE = "V/Vpl of the mechanism", "length below in m", "P/Npl"
 
 
-def drawn(point: np.ndarray, number: int, light: bool) -> ColumnImpact:
+def drawn(
+    point: np.ndarray,
+    number: int,
+    light: bool,
+    sections: Sequence[Section] = SECTIONS,
+    shares: tuple[float, float] = (-0.1, 0.4),
+) -> ColumnImpact:
     """The column and the strike of a point of the unit cube (14,).
+
+    Its section is one of `sections`, its share of the squash load lies between those, none below 0.
 
     A velocity, and the mass that would push the mechanism to a drawn part of the shorter segment:
     from elastic hits to collapse, within what strikers weigh. The mass of a `light` striker is
     drawn by itself, as such strikers are rare.
     """
     u = point.tolist()
-    section = SECTIONS[int(u[0] * len(SECTIONS))]
+    section = sections[int(u[0] * len(sections))]
     section = section if number % PLATES else section.without_fillets()
     length, position = 2.5 + 4.5 * u[1], 0.1 + 0.8 * u[2]
     below, above = (max(part * length, 1.8 * section.height) for part in (position, 1.0 - position))
@@ -105,9 +113,11 @@ def drawn(point: np.ndarray, number: int, light: bool) -> ColumnImpact:
     head = "guided" if u[4] < 0.6 else "pinned" if u[4] < 0.85 else "fixed"
     spring = 0.0 if u[5] < 0.2 else 10.0 ** (5.0 + 5.0 * (u[5] - 0.2))
     steel = Steel(yield_stress=STEELS[int(u[10] * len(STEELS))])
-    column = Column(section, below, above, steel, base=base, head=head, restraint_stiffness=spring)
+    axis = "strong" if section == section.about("strong") else "weak"
+    ends = {"base": base, "head": head, "restraint_stiffness": spring}
+    column = Column(section, below, above, steel, axis=axis, **ends)
     impact = ColumnImpact("drawn", column, Striker(1.0, 1.0))
-    share = 0.0 if u[6] < 0.2 else 0.5 * (u[6] - 0.2)
+    share = max(shares[0] + u[6] * (shares[1] - shares[0]), 0.0)
     load = min(share * column.properties.squash_load, 0.6 * euler_load(impact))
     column = replace(column, axial_load=load)
     impact = replace(impact, column=column)

@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 from workbench.base.errors import InputError
 from workbench.base.fields import Number, check_keys
 from workbench.models.base import on_one_mesh
-from workbench.models.strain_rate import with_rate
+from workbench.models.strain_rate import steel_of, with_rate
 from workbench.responses import PEAK, RESIDUAL, Response, error_of, survives
 from workbench.responses.uncertainty import WIDTHS, uncertainty_of
 from workbench.scenarios import ColumnImpact
@@ -178,9 +178,9 @@ class Budget:
         return by_quantity
 
 
-def rate_law(scenario: ColumnImpact) -> CowperSymonds:
+def rate_law(scenario: Any) -> CowperSymonds:
     """The rate law of the steel, or of the grade that its yield stress is nearest to."""
-    steel = scenario.column.steel
+    steel: Any = steel_of(scenario)
     nearest = min(GRADES.values(), key=lambda grade: abs(grade[0] - steel.yield_stress))
     return steel.rate or nearest[1]
 
