@@ -21,7 +21,7 @@ from workbench.steel.sections import find
 from workbench.study import Case, Figure, Study
 from workbench.study.error_model.error_table import DEMAND, features
 
-SEED, COLUMNS, QUICK = 53, 240, 2
+SEED, COLUMNS, QUICK = 53, 160, 2
 LIGHT, ANGLES, SHARES = 0.3, (3.0, 87.0), (-0.1, 0.6)  # light strikers; degrees; P/Npl
 MOST = 0.75  # V/Vpl of the mechanism
 SLENDER = 0.5  # largest share of the Euler load about the weak axis

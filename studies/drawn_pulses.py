@@ -3,12 +3,15 @@
 Rolled sections with and without fillets, tubes and squares of five steels, on five kinds of
 supports, with and without axial load, under a line load or a force at 0.15 to 0.5 of the length.
 Pulses of four shapes are a twentieth to ten periods long, of a size that takes an elastic-plastic
-mass of the member to a ductility of 0.5 to 15. The reference is the fiber beam whose web yields.
+mass of the member to a ductility of 0.5 to 15. Others rise: ramps to a force that stays, and tables
+of forces. The reference is the fiber beam whose web yields.
 The peaks are the data of the error model.
 """
 
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
+from itertools import chain
 from math import exp, log, pi, sqrt
 
 import numpy as np
@@ -25,7 +28,7 @@ from workbench.steel.materials import Steel
 from workbench.steel.sections import find, rectangular_tube, square
 from workbench.study import Case, Figure, Study
 
-SEED, MEMBERS, QUICK = 27, 440, 12
+SEED, MEMBERS, RISING_SEED, RISING, QUICK = 27, 440, 71, 140, 12
 POINTS = 0.55  # share of the members that a force presses, the others a line load
 BEAMS, REFINEMENTS = 10, 16  # every so many members have them
 REFERENCE, REFINED, BEAM = "web-yielding beam", "web-yielding beam, refined", "fiber beam"
@@ -58,10 +61,28 @@ ENDS = (  # base, head, spring (N/m)
     *(("clamped", "fixed", 0.0), ("pinned", "pinned", 1e8)),
 )
 PLATES = 4  # every so many members are without root fillets
+TABLES = (  # factors of tables: a rise, two blows, suction behind a blow
+    *((0.0, 1.0, 0.0), (0.0, 1.0, 0.5, 0.0), (1.0, 0.2, 0.7, 0.0), (0.0, 0.6, 0.2, 1.0, 0.0)),
+    *((1.0, 0.0, -0.3, 0.0), (0.2, 1.0, 0.0, -0.2, 0.0)),
+)
 
 
-def drawn(number: int, rng: np.random.Generator) -> MemberPulse:
-    """A member under a pulse."""
+def rising(force: float, lasts: float, rng: np.random.Generator) -> Pulse:
+    """A ramp up to a force that stays, below the drawn one, or a table with that largest force.
+
+    Arguments: the largest `force` (N, or N/m); what a rectangular pulse of it `lasts`, in s.
+    """
+    if rng.random() < 0.4:
+        return Pulse("ramp", float(f"{force:.4g}"), float(f"{lasts:.4g}"))
+    factors = TABLES[rng.integers(len(TABLES))]
+    times = np.cumsum([0.0, *rng.uniform(0.3, 1.0, len(factors) - 1)])
+    sizes = np.abs(factors)
+    times *= lasts / float(np.trapezoid(sizes, times))
+    return Pulse("table", float(f"{force:.4g}"), times=tuple(np.round(times, 6)), factors=factors)
+
+
+def drawn(number: int, rng: np.random.Generator, rises: bool = False) -> MemberPulse:
+    """A member under a pulse, one that `rises` or not."""
     base, head, spring = ENDS[rng.integers(len(ENDS))]
     section = SECTIONS[rng.integers(len(SECTIONS))]
     section = section if number % PLATES else section.without_fillets()
@@ -88,22 +109,35 @@ def drawn(number: int, rng: np.random.Generator) -> MemberPulse:
     force = pressure_impulse(shape, wanted, (lasts,))[0].force
     peak = force * last.load / (length if load == "uniform" else 1.0)
     pulse = Pulse(shape, float(f"{peak:.4g}"), float(f"{lasts * period:.4g}"))
-    duration = min(10.0, float(f"{pulse.whole / pulse.peak + (3.0 + wanted) * period:.3g}"))
+    end = pulse.whole / pulse.peak
+    if rises:
+        stays = rng.uniform(0.3, 0.95) * last.load / (length if load == "uniform" else 1.0)
+        pulse = rising(peak, lasts * period, rng)
+        pulse = replace(pulse, peak=float(f"{stays:.4g}")) if pulse.shape == "ramp" else pulse
+        shape, end = pulse.shape, pulse.end
+    duration = min(10.0, float(f"{end + (3.0 + wanted) * period:.3g}"))
     name = f"{number:03d} {section.name.replace(' without fillets', ', plates')} {base}-{head}, "
     name += f"{load}, {shape}, {lasts:.2g} T"
     return MemberPulse(name, column, pulse, load, duration)
 
 
-def drawn_members(seed: int, count: int) -> Iterator[MemberPulse]:
-    """Members under pulses, the same of a seed however many."""
+def drawn_members(
+    seed: int, count: int, rises: bool = False, first: int = 0
+) -> Iterator[MemberPulse]:
+    """Members under pulses, that rise or not, the same of a seed however many."""
     rng = np.random.default_rng(seed)
-    yield from (drawn(number, rng) for number in range(count))
+    yield from (drawn(number, rng, rises) for number in range(first, first + count))
 
 
 def case_of(number: int, scenario: MemberPulse) -> Case:
-    """The case of a drawn member: its name, the references that it has, and its parameters."""
-    column, present = scenario.column, {BEAM: number % BEAMS == 0}
-    present[REFINED] = number % REFINEMENTS == 5
+    """The case of a drawn member: its name, its models and references, and its parameters.
+
+    Pulses that rise have anchor and truth alone.
+    """
+    column, rises = scenario.column, number >= MEMBERS
+    present = dict.fromkeys(REDUCED, not rises) | {BEAM: number % BEAMS == 0 and not rises}
+    present["flexible superelements"] = True
+    present[REFINED] = number % REFINEMENTS == 5 and not rises
     return Case(
         scenario.name,
         scenario,
@@ -113,7 +147,8 @@ def case_of(number: int, scenario: MemberPulse) -> Case:
     )
 
 
-cases = tuple(case_of(*pair) for pair in enumerate(drawn_members(SEED, MEMBERS)))
+members = chain(drawn_members(SEED, MEMBERS), drawn_members(RISING_SEED, RISING, True, MEMBERS))
+cases = tuple(case_of(*pair) for pair in enumerate(members))
 study = Study(
     name="drawn_pulses",
     title="Members under pulses: every model on drawn ones",

@@ -83,7 +83,7 @@ def test_no_advice_goes_in_a_circle_and_all_of_it_ends_inside_a_domain(models, c
             if name == ANCHOR:
                 error = anchor_error(hit)
                 assert error.chance is not None, f"{hit.name}: {error}"
-                assert error.chance <= WARNED
+                assert not error.warns
                 assert not [f for f in findings if f.refusal]
             else:
                 assert not [f for f in findings if f.outside or f.refusal], f"{hit.name}: {trail}"
@@ -186,7 +186,7 @@ def test_where_a_model_and_the_anchor_differ_about_collapse_the_anchor_is_said(f
     statements = advice_for(make_model(name), hit)["error"]
     assert statements.outside
     assert ("the anchor collapses" if falls else "the anchor survives") in statements.text
-    assert statements.number > 0.9
+    assert statements.number > 0.7
     assert "error" not in advice_for(make_model(ANCHOR), hit) or not falls
 
 

@@ -20,9 +20,12 @@ from workbench.study.error_model.error_model import (
 )
 from workbench.study.error_model.error_table import (
     ANCHOR,
-    DRAWN_SHAPES,
     FRAMES,
+    LASTS,
+    MARGIN,
     PULSES,
+    RISES,
+    STAYS,
     TRUTH,
     ErrorTable,
     ends_of,
@@ -72,25 +75,6 @@ def test_rows_are_what_their_features_and_the_anchor_of_now_say(table) -> None:
         values = table.features(scenario)
         assert values == pytest.approx({n: row[n] for n in table.words}, rel=1e-4, abs=1e-9)
         assert anchor_peak(scenario) == pytest.approx(row[ANCHOR], rel=2e-3)
-
-
-@BOTH
-def test_intervals_hold_nine_of_ten_that_they_were_not_made_of(table) -> None:
-    """Leave one out, in every cell."""
-    rows, inside = judged(table), []
-    for cell in {table.cell(row) for _, row in rows.iterrows()}:
-        first = next(row for _, row in rows.iterrows() if table.cell(row) == cell)
-        values = table.rests(first)
-        assert len(values) >= 40, cell
-        held = []
-        for place, value in enumerate(values):
-            others = np.delete(values, place)
-            low, high = ends_of(len(others))
-            held.append(others[low] <= value <= others[high])
-        assert np.mean(held) > 0.8, cell
-        inside += held
-    assert len(inside) == len(rows)
-    assert 0.88 <= np.mean(inside) <= 0.95
 
 
 @BOTH
@@ -151,22 +135,28 @@ def test_where_a_force_shears_webs_off_nothing_is_known() -> None:
 
 
 @pytest.mark.parametrize("shape", ["ramp", "table"])
-def test_pulses_of_shapes_that_were_not_drawn_are_not_measured(shape) -> None:
+def test_pulses_that_rise_are_measured_by_their_rise(shape) -> None:
+    """A ramp lasts as long as any that was drawn; of a table the largest force counts."""
     scenario = example("uniform")
-    assert shape not in DRAWN_SHAPES
-    line = {"times": (0.0, 0.01), "factors": (1.0, 0.0)} if shape == "table" else {"length": 0.01}
-    pulse = Pulse(shape, 1e4, **line)
-    reason = truth_ratio(replace(scenario, pulse=pulse)).reason
-    assert reason.startswith("not measured here: pulses of the shape")
+    line = {"times": (0.0, 0.01, 0.02), "factors": (0.0, -2.0, 0.0)}
+    line = line if shape == "table" else {"length": 0.01}
+    values = PULSES.features(replace(scenario, pulse=Pulse(shape, 1e4, **line)))
+    sudden = PULSES.features(replace(scenario, pulse=Pulse("rectangular", 1e4, 0.01)))
+    twice = 2.0 if shape == "table" else 1.0
+    force = "force_over_resistance"
+    assert values[force] == pytest.approx(twice * sudden[force])
+    assert values[RISES] == pytest.approx(sudden[LASTS])
+    assert sudden[RISES] == 0.0
+    assert values[LASTS] == (STAYS if shape == "ramp" else pytest.approx(sudden[LASTS]))
 
 
 def test_collapse_of_drawn_pulses_and_frames_is_counted() -> None:
     for table in (PULSES, FRAMES):
         truth, anchor = table.rows[TRUTH].to_numpy(), table.rows[ANCHOR].to_numpy()
         fallen = ~np.isnan(truth) & (anchor == inf)
-        assert table.collapses(False) < 0.05
+        assert table.collapses(False, {MARGIN: 0.0}) < 0.05
         both = (fallen & (truth == inf)).sum()
-        assert table.collapses(True) == pytest.approx((both + 1) / (fallen.sum() + 2))
+        assert table.collapses(True, {}) == pytest.approx((both + 1) / (fallen.sum() + 2))
 
 
 def framed(ratio: float):
@@ -198,5 +188,5 @@ def test_frames_that_were_not_drawn_are_not_measured() -> None:
     corner = replace(scenario, frame=bare, striker=replace(scenario.striker, node=above))
     assert "hits on columns between their ends were drawn" in truth_ratio(corner).reason
     features = FRAMES.features(scenario)
-    reason = FRAMES.unknown(features | {"members": 40.0})
-    assert reason.startswith("not measured here: members of the frame 40, drawn were 4 to")
+    reason = FRAMES.unknown(features | {"members": 80.0})
+    assert reason.startswith("not measured here: members of the frame 80, drawn were 4 to")

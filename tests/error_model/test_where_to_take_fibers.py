@@ -15,7 +15,7 @@ from workbench.models.references.fiber_beams import FiberReissner, FiberShear
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.responses import findings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, scenario_from, to_toml
-from workbench.study.error_model.error_model import ANCHOR, OPEN_END, REFERENCE, choose
+from workbench.study.error_model.error_model import ANCHOR, REFERENCE, choose
 
 PROBE = FiberReissner(levels=1)
 RECTANGLE = {"height": 0.005, "width": 0.003}  # ANSYS VM-LSDYNA-BENCHMARK-003: 3 x 5 x 50 mm
@@ -197,7 +197,7 @@ def hea140() -> ColumnImpact:
 
 
 @pytest.mark.thorough
-def test_close_to_collapse_the_interval_has_no_upper_end(tmp_path, capsys) -> None:
+def test_close_to_collapse_the_chance_of_one_stands_beside_the_peak(tmp_path, capsys) -> None:
     file = tmp_path / "near.toml"
     file.write_text(to_toml(hea140()))
     for model in (ANCHOR, "four-dof"):
@@ -205,22 +205,22 @@ def test_close_to_collapse_the_interval_has_no_upper_end(tmp_path, capsys) -> No
         answer = json.loads(capsys.readouterr().out)
         error = answer["error"]
         assert error["near_collapse"]
-        assert (error["expected"], error["low"], error["collapse"]) == (None, None, None)
+        assert error["low"] == -1.0  # no end: in more than one of twenty it falls
+        assert 0.1 < error["collapse"] < 0.5
+        assert error["unsafe"] > error["collapse"] - 0.05
         assert error["residual"] is None
-        assert error["high"] is not None
-        assert error["reason"] == OPEN_END
+        assert error["reason"] == ""
         headline = answer["headline"].replace("\xa0", " ")
-        assert " mm, at least 19" in headline
-        assert f" mm; {OPEN_END}; survives" in headline
-        assert "close-to-collapse" in {w["subject"] for w in answer["warnings"]}
+        falls = f"or collapse: {100.0 * error['collapse']:.0f} %"
+        assert f" mm, {falls}, at least " in headline
+        assert {"close-to-collapse", "error"} <= {w["subject"] for w in answer["warnings"]}
         assert run(["simulate", str(file), "--model", model]) == 0
         text = capsys.readouterr().out
-        assert "chance of collapse" not in text
+        assert f"{falls}." in text
         assert "90 %:" not in text
     assert run(["advise", str(file), "--json"]) == 0
     advice = json.loads(capsys.readouterr().out)
-    assert advice["peak_displacement"] is None
-    assert advice["error"]["low"] is None
+    assert advice["error"]["low"] == -1.0
     assert "close-to-collapse" in {f["subject"] for f in advice["findings"][ANCHOR]}
 
 
@@ -257,7 +257,7 @@ def test_a_record_is_made_longer_until_its_peak(soft, capsys) -> None:
     assert answer["time_of_peak"] == pytest.approx(0.25, abs=0.02)
     assert answer["headline"].startswith(f"{1e3 * answer['peak_displacement']:.2f}\xa0mm; survives")
     assert any("was made 0.4 s long" in note for note in answer["notes"])
-    assert answer["error"]["reason"] == "errors were measured with rigid strikers"
+    assert answer["error"]["reason"].startswith("not measured here: work of the front")
     coarse = [f"--option={each}" for each in ("levels=1", "refinement=-1", "smallest_element=0.4")]
     assert run(["simulate", str(soft), "--model", "fiber-corotational", *coarse]) == 0
     assert "No interval of the peak displacement: " in capsys.readouterr().out

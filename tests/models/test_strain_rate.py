@@ -177,10 +177,11 @@ def test_what_leaves_the_rate_out_says_so(rated: ColumnImpact) -> None:
 
 
 def test_nothing_was_measured_with_a_factor_that_was_not_drawn(rated: ColumnImpact) -> None:
-    """Mild steel's law at a yield stress of 355 MPa."""
+    """A law much steeper than that of mild steel."""
     from workbench.study.error_model.error_model import expected_error
 
-    error = expected_error(rated, make_model("four-dof").simulate(rated))
+    steep = with_rate(rated, CowperSymonds(0.5, 5.0))
+    error = expected_error(steep, make_model("four-dof").simulate(steep))
     assert error.expected is None
     assert "factor on the yield stress for the strain rate" in error.reason
 

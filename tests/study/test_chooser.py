@@ -20,7 +20,7 @@ from workbench.study.error_model.error_table import COLUMNS, ends_of
 from workbench.study.tables import table, texts
 
 COUNT = 60
-SCATTER = np.random.default_rng(5).normal(0.1, 0.05, COUNT)  # ln(anchor / truth)
+SCATTER = np.random.default_rng(5).normal(-0.1, 0.05, COUNT)  # ln(anchor / truth)
 SECONDS = {"beam": 1.0, "anchor": 0.1, "low": 0.01, "lower": 0.02}
 
 

@@ -17,7 +17,7 @@ import workbench
 from workbench.base.datafiles import data_directory
 from workbench.study.store import load_study, study_files
 print(workbench.__file__, data_directory(), *sorted(study_files()), sep="\\n")
-assert len(load_study("drawn_rates").study.cases) > 0  # which imports another one
+assert len(load_study("drawn_frames").study.cases) > 0  # which imports another one
 """
 
 

@@ -94,20 +94,21 @@ def fate_of(response: Response) -> str:
 def _interval(peak: float, error: ExpectedError) -> str:
     """The interval of 90 %, and what is expected of an answer that lies outside of it.
 
-    Close to collapse it has a lower end alone.
+    Close to collapse it says the chance of that, and has a lower end alone where that is not small.
     """
     if error.high is None:
         return ""
     factor = unit_of(PEAK).factor
-    if error.low is None:
+    falls = f", or collapse: {100.0 * (error.collapse or 0.0):.0f} %" if error.near_collapse else ""
+    if error.low is None or error.low <= -1.0:
         least = in_unit(peak / (1.0 + error.high), PEAK, 3)
-        return f", at least {least}; {error.reason}"
+        return f"{'' if error.reason else falls}, at least {least}; {error.reason}".rstrip("; ")
     ends = sorted(peak / (1.0 + share) * factor for share in (error.high, error.low))
     least, most = (number(end, 3) for end in ends)
     middle = ""
     if error.expected is not None and not error.low <= 0.0 <= error.high:
         middle = f"; expected {number(peak / (1.0 + error.expected) * factor, 3)}"
-    return f"{middle}, 90 %: {least} to {most}"
+    return f"{falls}{middle}, 90 %: {least} to {most}"
 
 
 class Rows(pd.DataFrame):

@@ -48,14 +48,14 @@ def _shown(entry: dict[str, Any], rows: list[dict[str, Any]]) -> Iterator[Block]
 @app.command("measure")
 @verb
 def measure(
-    name: str = typer.Argument(metavar="TABLE", help="One of columns, rates, pulses, frames."),
+    name: str = typer.Argument(metavar="TABLE", help="One of columns, directions, pulses, frames."),
     store: StoreRoot = "reports",
     jobs: int | None = option("Worker processes.  [default: one per core]", None),
     out: str | None = option(
         "Where to write.  [default: the tables of the program]", None, "FILE.csv"
     ),
 ) -> Answer:
-    """Measure the anchor of the error model: run the study that draws, and write its table.
+    """Measure the anchor of the error model: run the studies that draw, and write its table.
 
     Answers are stored as by `workbench run`; interrupted, it goes on where it was. The table tells
     the error of any answer, of models of your own too.
@@ -73,10 +73,12 @@ def measure(
 
     chosen = TABLES[Choice(tuple(TABLES)).check("table", name)]
     path = dataset(name).path if out is None else writable("--out", out, "csv")
-    loaded = load_study(chosen.study)
-    progress = progress_for(sys.stderr, os.environ)
-    run_study(loaded.study, Path(store), jobs=jobs, progress=progress, file=loaded.file)
-    rows = pd.DataFrame(list(error_rows(loaded.study, chosen, Path(store))))
+    progress, parts = progress_for(sys.stderr, os.environ), []
+    for study in chosen.studies:
+        loaded = load_study(study)
+        run_study(loaded.study, Path(store), jobs=jobs, progress=progress, file=loaded.file)
+        parts.append(pd.DataFrame(list(error_rows(loaded.study, chosen, Path(store)))))
+    rows = pd.concat(parts, ignore_index=True)
     write_atomically(path, csv_bytes(rows))
     judged = int(rows[TRUTH].notna().sum())
     text = f"{len(rows)} rows, {judged} of them with a truth, in {path}."

@@ -64,7 +64,7 @@ def advise(scenario: ScenarioFile, settings: Settings = None) -> Answer:
     if choice.model not in findings:
         raise InputError("kind", given.KIND, "no model in the order of trust answers it")
     best = None  # estimate of the peak
-    if choice.error.expected is not None:
+    if choice.error.expected is not None and choice.error.expected > -1.0:  # not a collapse
         best = anchor_peak(given) / (1.0 + choice.error.expected)
     content = {
         "scenario": given.name,

@@ -12,7 +12,8 @@ from typing import Any
 
 WARNING, REFUSAL = "warning", "refusal"  # severities of a finding
 SYNTHETIC = "synthetic"  # subject of what is said of made numbers, which validate nothing
-WARNED = 0.10  # chance of an error of more than 10 % from which an answer is warned of
+WARNED = 0.10  # expected loss from which an answer is warned of
+TOO_LARGE = 0.2  # loss of an answer more than 10 % too large; of one that much too small it is 1
 ERROR = "error"  # subject of a warning of the error model
 COLUMNS = ("subject", "severity", "sentence", "remedy", "number", "limit", "instead")
 
@@ -143,11 +144,12 @@ class ExpectedError:
     """The error of an answer, answer over truth less one, as far as it is known.
 
     Arguments: `anchor`, its name; `expected` error with the ends `low` and `high` of an interval of
-    90 %; `chance` of an error beyond 10 %, or that the structure does what the answer denies;
-    `collapse`, chance that it collapses; `near_collapse`, whether the anchor nearly does; `cell`
-    in which this was measured on `count` scenarios; `reason`, why there is no interval (empty:
-    there is one); `residual`, ends (m) of 90 % for the true residual displacement, if known.
-    Near a collapse `high` alone is known: how far the truth may go was not measured there.
+    90 % (-1: of a collapse); `chance` of an error beyond 10 %, or that the structure does what the
+    answer denies, and how much of it is `unsafe`: an answer too small; `collapse`, chance that the
+    structure collapses; `near_collapse`, whether the anchor nearly does; `cell` in which this was
+    measured on `count` scenarios; `reason`, why there is no interval (empty: there is one);
+    `residual`, ends (m) of 90 % for the true residual displacement, if known.
+    Near a collapse that was not drawn `high` alone is known.
     """
 
     anchor: str
@@ -155,6 +157,7 @@ class ExpectedError:
     low: float | None = None
     high: float | None = None
     chance: float | None = None
+    unsafe: float | None = None
     collapse: float | None = None
     near_collapse: bool = False
     cell: str = ""
@@ -164,8 +167,8 @@ class ExpectedError:
 
     @property
     def warns(self) -> bool:
-        """Whether the answer is rather likely to be in error."""
-        return self.chance is not None and self.chance > WARNED
+        """Whether the loss to expect is large: too small an answer costs more than too large."""
+        return self.chance is not None and loss_of(self.chance, self.unsafe or 0.0) > WARNED
 
     def __str__(self) -> str:
         if self.high is not None and self.low is None:
@@ -175,7 +178,14 @@ class ExpectedError:
             more = "" if self.collapse is None else f", chance of collapse {chance:.0f} %"
             return f"{self.reason}{more}"
         middle, *ends = (round(100.0 * share) for share in (self.expected, self.low, self.high))
+        if self.low <= -1.0:
+            return f"at most {ends[1]:+d} %, or collapse: {round(100.0 * (self.collapse or 0.0))} %"
         return f"expect {middle:+d} %, 90 %: {ends[0]:+d} to {ends[1]:+d} %"
+
+
+def loss_of(chance: Any, unsafe: Any) -> Any:
+    """Loss to expect by the `chance` of an error beyond 10 % and its `unsafe` part, any shape."""
+    return unsafe + TOO_LARGE * (chance - unsafe)
 
 
 def finding(

@@ -27,11 +27,11 @@ import scipy
 from workbench.base.errors import OutOfDomainError
 from workbench.models.strain_rate import feels_rate
 from workbench.responses import PEAK, RESIDUAL, Outcome
-from workbench.responses.outcome import WARNED
+from workbench.responses.outcome import WARNED, loss_of
 from workbench.study.assessment import bias_and_scatter
 from workbench.study.assessment.gates import REMAINS
 from workbench.study.definition import Study, holds_data
-from workbench.study.error_model.error_model import BEYOND, chance_beyond
+from workbench.study.error_model.error_model import BEYOND, chances_beyond
 from workbench.study.error_model.error_table import LocalMean, ends_of, table_of, variant_of
 from workbench.study.error_rows import DOUBTFUL
 from workbench.study.store import NOT_RUN
@@ -361,8 +361,8 @@ class _Drawn(NamedTuple):
     """Judged cases and what is expected of them by the others: tables by (case, label).
 
     `errors` as `errors_of`, `cells` of the cases; `collapses` of the truth; `known`: model, anchor
-    and truth stand; `fallen`: the model does not; `expected` error, its ends and its `chance` to
-    be beyond the bound.
+    and truth stand; `fallen`: the model does not; `expected` error, its ends and the `loss` to
+    expect.
     """
 
     anchor: str
@@ -376,7 +376,7 @@ class _Drawn(NamedTuple):
     low: pd.DataFrame
     expected: pd.DataFrame
     high: pd.DataFrame
-    chance: pd.DataFrame
+    loss: pd.DataFrame
 
     @property
     def held(self) -> pd.DataFrame:
@@ -386,7 +386,7 @@ class _Drawn(NamedTuple):
     @property
     def warned(self) -> pd.DataFrame:
         """Whether an answer is warned of."""
-        return (self.chance > WARNED) | self.fallen.ne(self.fallen[self.anchor], axis=0)
+        return (self.loss > WARNED) | self.fallen.ne(self.fallen[self.anchor], axis=0)
 
 
 def derived_tables(study: Study, tables: Tables) -> dict[str, pd.DataFrame]:
@@ -421,10 +421,11 @@ def _drawn(study: Study, tables: Tables) -> _Drawn | None:
     listed = {}
     for case in errors.index[errors[anchor].notna()]:
         with suppress(OutOfDomainError):  # such a scenario has no cell
-            if of_kind.kind == scenarios[case].KIND and not feels_rate(scenarios[case]):
+            if table_of(scenarios[case]) is of_kind and not feels_rate(scenarios[case]):
                 listed[case] = of_kind.features(scenarios[case])
     features = pd.DataFrame.from_dict(listed, orient="index", columns=list(of_kind.words))
-    places = [np.searchsorted(b, features[n], "right") for n, b in of_kind.cells.items()]
+    bounds = {name: each for name, each in of_kind.cells.items() if name in features}
+    places = [np.searchsorted(each, features[name], "right") for name, each in bounds.items()]
     features = features.iloc[np.lexsort(places[::-1])]
     words = (of_kind.cell(dict(row)) for _, row in features.iterrows())
     cells = pd.Series(list(words), features.index, dtype="str")
@@ -450,7 +451,7 @@ def _drawn(study: Study, tables: Tables) -> _Drawn | None:
 
 
 def _expected(logs: pd.DataFrame, by_cell: Any) -> Iterator[pd.DataFrame]:
-    """Low end, median and high end of the errors to expect, and the chance to be beyond the bound.
+    """Low end, median and high end of the errors to expect, and the loss.
 
     From `logs`, ln(answer / truth), and rests of the anchor by cell; NaN where nothing is known.
     """
@@ -463,7 +464,7 @@ def _expected(logs: pd.DataFrame, by_cell: Any) -> Iterator[pd.DataFrame]:
             others = np.sort(anchor[places[places != place]])
             errors = np.exp((rows[place] - anchor[place])[:, None] + others) - 1.0
             ends = errors[:, low], np.median(errors, axis=1), errors[:, high]
-            expected[:, place] = *ends, chance_beyond(errors)
+            expected[:, place] = *ends, loss_of(*chances_beyond(errors))
     for each in np.where(np.isfinite(rows), expected, np.nan):
         yield pd.DataFrame(each, logs.index, logs.columns)
 
@@ -479,10 +480,11 @@ def _cells(drawn: _Drawn | None) -> Iterator[Row]:
         errors = np.sort(drawn.errors.loc[stands.index[stands], anchor].to_numpy())
         low, high = ends_of(len(errors))
         off = np.count_nonzero(np.abs(errors) > BEYOND)
-        chance = chance_beyond(errors)
+        chance, unsafe = chances_beyond(errors)
+        warned = loss_of(chance, unsafe) > WARNED
         yield {
             **{"cell": cell, "anchor": anchor, "reference": drawn.reference},
-            **{"count": len(errors), "off": off, "chance": chance, "warned": chance > WARNED},
+            **{"count": len(errors), "off": off, "chance": chance, "warned": warned},
             "held": drawn.held.loc[stands.index, anchor].sum(),
             "collapses": drawn.collapses[stands.index].sum(),
             **{"median": np.median(errors), "low": errors[low], "high": errors[high]},

@@ -10,13 +10,12 @@ from typing import Any
 import pandas as pd
 
 from workbench.base.errors import InputError
-from workbench.models.strain_rate import feels_rate
 from workbench.responses import Response, findings_of, outcome_of
 from workbench.scenarios import canonical
 from workbench.study.cells import cells_of
 from workbench.study.definition import Study
-from workbench.study.error_model.error_model import reached
-from workbench.study.error_model.error_table import FINEST, TRUTH, ErrorTable, variant_of
+from workbench.study.error_model.error_model import margin_of, reached
+from workbench.study.error_model.error_table import FINEST, MARGIN, TRUTH, ErrorTable, variant_of
 from workbench.study.store import NOT_RUN, Store
 from workbench.study.tables import Row
 
@@ -30,8 +29,7 @@ def error_rows(study: Study, table: ErrorTable, root: Path) -> Iterator[Row]:
 
     And residual displacements of reference and anchor. All are in m; peaks infinite where the
     structure collapses, NaN without an answer; that of the finest reference, too, only where it
-    does not warn of itself. Where only some of the cases have steel that feels its strain rate
-    those are left out. Raises `InputError` for a study without the anchor or the reference.
+    does not warn of itself. Raises `InputError` for a study without the anchor or the reference.
     """
     names = {label: _name_of(study, label) for label in study.models}
     if names[study.reference] != table.reference or table.anchor not in names.values():
@@ -41,8 +39,7 @@ def error_rows(study: Study, table: ErrorTable, root: Path) -> Iterator[Row]:
     store = Store(Path(root) / study.name)
     cells = {(cell.case, cell.label): cell for cell in cells_of(study)}
     version = {name: study.models[label].version for label, name in names.items()}
-    static = [case for case in study.cases if not feels_rate(case.scenario)]
-    for case in static or study.cases:
+    for case in study.cases:
         reference, state = nan, NOT_RUN
         residuals: dict[str, float] = {}
         peaks: dict[str, float] = {}
@@ -63,6 +60,7 @@ def error_rows(study: Study, table: ErrorTable, root: Path) -> Iterator[Row]:
             "case": case.name,
             **{key: _rounded(value) for key, value in inputs_of(case.scenario).items()},
             **{key: _rounded(value) for key, value in table.features(case.scenario).items()},
+            MARGIN: _rounded(margin_of(case.scenario)),
             "reference": table.reference,
             "reference_version": version[table.reference],
             "anchor_version": version[table.anchor],
@@ -88,11 +86,12 @@ def inputs_of(scenario: Any) -> dict[str, Any]:
 
 
 def _name_of(study: Study, label: str) -> str:
-    """A model by its name and the options that change its numbers, solids by their name alone."""
+    """A model by its name and the options that change its numbers; references by their name."""
     model: Any = study.models[label]
-    if model.name == FINEST:
-        return FINEST
-    if label != study.reference and model.name == study.models[study.reference].name:
+    if model.name == FINEST or label == study.reference:
+        name: str = model.name
+        return name
+    if model.name == study.models[study.reference].name:
         return f"{model.name} levels={model.levels}"
     return f"{model.name} {variant_of(model)}".rstrip()
 

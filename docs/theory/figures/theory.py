@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure as Canvas
+from statsmodels.stats.proportion import proportion_confint
 
 import workbench as wb
 from workbench.report.drawing.style import GRID, PALETTE, house_style, logarithmic, new_figure
 from workbench.report.gallery import to_svg
 from workbench.steel.materials import GRADES, MILD_STEEL
+from workbench.study.error_model.error_table import COLUMNS, MARGIN, TRUTH
 
 COLUMN = wb.Column(
     "HEB 220", 0.8, 3.2, fillets=False, axial_load="500 kN", restraint_stiffness="10 kN/mm"
@@ -100,9 +102,9 @@ def superelements() -> Canvas:
 
 
 def error_model() -> Canvas:
-    """Peaks over the velocity, with the interval of the truth."""
-    canvas = new_figure(2.7, 4.8)
-    panel = canvas.subplots()
+    """Peaks over the velocity, with the interval of the truth; collapses close to one."""
+    canvas = new_figure(2.7, 7.0)
+    panel, near = canvas.subplots(1, 2)
     speeds = np.arange(4.0, 20.1, 2.0)
     for number, name in enumerate(("flexible-superelement", "four-dof")):
         runs = [wb.simulate(HIT.at_velocity(float(v)), name).workbench for v in speeds]
@@ -114,8 +116,22 @@ def error_model() -> Canvas:
             panel.fill_between(speeds, *band.T, color=PALETTE[2], alpha=0.2, label="truth, 90 %")
     panel.set_xlabel("velocity, m/s")
     panel.set_ylabel("peak displacement, mm")
-    panel.grid(color=GRID, linewidth=0.5)
-    panel.legend(frameon=False)
+    rows = COLUMNS.rows[COLUMNS.rows[TRUTH].notna() & (COLUMNS.rows[MARGIN] > 0.0)]
+    edges = np.array([0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.25])
+    fallen = np.isinf(rows[TRUTH]).groupby(np.digitize(rows[MARGIN], edges))
+    share, count = fallen.mean().to_numpy(), fallen.size().to_numpy()
+    middles = 0.5 * (edges[1:] + edges[:-1])[fallen.mean().index - 1]
+    ends = proportion_confint(share * count, count, 0.1, "beta")
+    sides = np.abs(np.array(ends) - share)
+    near.errorbar(middles, share, sides, fmt="o", color=PALETTE[0], label="drawn columns, 90 %")
+    margins = np.linspace(0.8, 1.25, 181)
+    stated = [COLUMNS.collapses(margin >= 1.0, {MARGIN: margin}) for margin in margins]
+    near.plot(margins, stated, color=PALETTE[1], label="stated")
+    near.set_xlabel("velocity over that of a collapse of the anchor")
+    near.set_ylabel("share that collapses")
+    for each in (panel, near):
+        each.grid(color=GRID, linewidth=0.5)
+        each.legend(frameon=False)
     return canvas
 
 

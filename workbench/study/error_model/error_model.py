@@ -58,7 +58,9 @@ from workbench.steel.sections import ISection
 from workbench.study.error_model.error_table import (
     ANCHOR,
     DEMAND,
+    FAR,
     FINEST,
+    MARGIN,
     REFERENCE,
     ErrorTable,
     ends_of,
@@ -69,7 +71,9 @@ from workbench.study.error_model.error_table import (
 BEYOND = 0.10  # an error of the peak that matters
 OFF, STICKING = radians(5.0), 1e3  # angle off the web; friction of a face that holds
 LEAST_MORE = 1.0  # percent of the peak, about which a sentence is made
-FASTER = 1.05  # times the velocity or force, to see whether a collapse is near
+TWICE = 2.0  # times as far goes what is about to collapse, if it does not
+BOUND = 1e9  # m, above all displacements
+HALVINGS = 5  # of the velocities between which that begins
 HANGS = "hangs-on"  # subject
 OPEN_END = "the upper end is not measured so close to collapse"
 
@@ -77,13 +81,15 @@ OPEN_END = "the upper end is not measured so close to collapse"
 class TruthRatio(NamedTuple):
     """Sorted `values` of ln(truth / anchor) in the `cell` of a scenario with such `features`.
 
-    Empty where nothing is known, for the `reason`.
+    Infinite ones are collapses. Empty where nothing is known, for the `reason`. Of all such
+    structures `fallen` is the share that collapses.
     """
 
     values: Array
     cell: str = ""
     reason: str = ""
     features: Mapping[str, float] = MappingProxyType({})
+    fallen: float | None = None
 
 
 def expected_error(scenario: Any, response: Response) -> ExpectedError:
@@ -121,17 +127,15 @@ def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> Exp
     if isnan(answer) or isnan(anchor):
         whose = "the answer" if isnan(answer) else "the anchor"
         return replace(known, reason=f"{whose} has no peak displacement")
-    known = replace(known, cell=ratio.cell, count=len(ratio.values))
-    fallen = table.collapses(isinf(anchor))
-    faster = _faster(scenario)
-    near = not isinf(anchor) and (
-        abs(anchor_peak(faster)) > (1.0 + table.grows) * anchor or _anchor(faster).hangs
-    )
-    known = replace(known, collapse=None if near else fallen, near_collapse=near)
+    known = replace(known, cell=ratio.cell, count=len(ratio.values), collapse=ratio.fallen)
+    known = replace(known, near_collapse=bool(ratio.features[MARGIN]))
     if isinf(answer) or isinf(anchor):
         reason = "the anchor collapses" if isinf(anchor) else "the anchor survives"
-        reason += ", close to collapse, where chances are not measured" if near else ""
-        return replace(known, chance=1.0 - fallen if isinf(answer) else fallen, reason=reason)
+        if ratio.fallen is None:
+            return replace(known, reason=f"{reason}, close to collapse, which was not measured")
+        chance = 1.0 - ratio.fallen if isinf(answer) else ratio.fallen
+        unsafe = 0.0 if isinf(answer) else chance
+        return replace(known, chance=chance, unsafe=unsafe, reason=reason)
     values = ratio.values + log(anchor / answer)
     if name in (table.reference, FINEST) and not _is_beside(scenario):
         values = table.doubts(ratio.features) if name == table.reference else values[:0]
@@ -140,15 +144,18 @@ def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> Exp
     errors = np.exp(-values[::-1]) - 1.0
     low, high = ends_of(len(errors))
     middle, least, most = float(np.median(errors)), float(errors[low]), float(errors[high])
-    chance = float(chance_beyond(errors))
-    if near:
-        return replace(known, high=most, chance=chance, reason=OPEN_END)
-    return replace(known, expected=middle, low=least, high=most, chance=chance)
+    chance, unsafe = map(float, chances_beyond(errors))
+    known = replace(known, high=most, chance=chance, unsafe=unsafe)
+    if ratio.fallen is None:
+        return replace(known, reason=OPEN_END)
+    return replace(known, expected=middle, low=least)
 
 
-def chance_beyond(errors: Array) -> Any:
-    """Chance of an error beyond 10 %, from the measured `errors` (..., n) of a cell: (...)."""
-    return ((np.abs(errors) > BEYOND).sum(axis=-1) + 0.5) / (errors.shape[-1] + 1.0)
+def chances_beyond(errors: Array) -> tuple[Any, Any]:
+    """Chances of an error beyond 10 %, either way and below, from `errors` (..., n): (...)."""
+    off = np.abs(errors) > BEYOND, errors < -BEYOND
+    either, below = ((each.sum(axis=-1) + 0.5) / (errors.shape[-1] + 1.0) for each in off)
+    return either, below
 
 
 @lru_cache(maxsize=256)  # every model of a study asks for the same scenario
@@ -159,12 +166,16 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     of a hit beside the shear centre.
     """
     striker = getattr(scenario, "striker", None)
-    if striker is not None and striker.crushes:
-        return TruthRatio(np.empty(0), reason="errors were measured with rigid strikers")
+    if striker is not None and striker.crushes and not isinstance(scenario, ColumnImpact):
+        return TruthRatio(np.empty(0), reason="errors of frames were measured with rigid strikers")
     frame = frame_scenario(scenario).frame
-    if is_oblique(scenario):
-        return TruthRatio(np.empty(0), reason="errors were measured in the plane of the web")
-    if any(m.axis == "weak" and m.section != m.section.about("strong") for m in frame.members):
+    if is_oblique(scenario) and not isinstance(scenario, ColumnImpact):
+        return TruthRatio(np.empty(0), reason="errors of frames were measured in their plane")
+    if getattr(striker, "friction", 0.0):
+        return TruthRatio(np.empty(0), reason="errors were measured without friction")
+    if not isinstance(scenario, ColumnImpact) and any(
+        m.axis == "weak" and m.section != m.section.about("strong") for m in frame.members
+    ):
         reason = "errors were measured about the strong axis"
         return TruthRatio(np.empty(0), reason=reason)
     if getattr(scenario, "acceleration", 0.0) or any(frame.gravity) or frame.line_loads.any():
@@ -180,35 +191,60 @@ def truth_ratio(scenario: Any) -> TruthRatio:
     table, steel = _table(scenario), steel_of(scenario)
     if steel is not None and steel.hardening_modulus is not None:
         return TruthRatio(np.empty(0), reason="errors were measured without hardening")
-    rated = _rated(scenario)
-    if rated is None and feels_rate(scenario):
+    if feels_rate(scenario) and isinstance(scenario, MemberPulse):
         reason = f"errors of {scenario.KIND} were measured without strain rate"
         return TruthRatio(np.empty(0), reason=reason)
     try:
-        values = (rated or table).features(scenario)
+        values = table.features(scenario)
     except OutOfDomainError as error:
         return TruthRatio(np.empty(0), reason=f"not measured here: {error}")
-    reason = table.unknown(values) or (rated.unknown(values) if rated else "")
+    reason = table.unknown(values)
+    if not reason and _is_beside(scenario) and undrawn(scenario):
+        reason = "errors were measured in hits through the shear centre"
     if reason:
         return TruthRatio(np.empty(0), reason=reason)
-    ratios = widened(table.log_ratios(values), table.doubts(values))
-    ratios = widened(ratios, rated.log_ratios(values)) if rated else ratios
+    margin = margin_of(scenario)
+    values = {**values, MARGIN: margin}
+    stands = not isinf(anchor_peak(scenario))
+    if margin and stands and not table.knows(margin):
+        far = table.log_ratios({**values, MARGIN: 0.0})
+        return TruthRatio(far, table.cell(values), features=values)
+    ratios = table.log_ratios(values)
+    finite = widened(ratios[np.isfinite(ratios)], table.doubts(values))
     if _is_beside(scenario):
-        if undrawn(scenario):
-            reason = "errors were measured in hits through the shear centre"
-            return TruthRatio(np.empty(0), reason=reason)
-        ratios = widened(ratios, log_factors(scenario, FACE))
-    return TruthRatio(ratios, table.cell(values), features=values)
+        finite = widened(finite, log_factors(scenario, FACE))
+    ratios = np.concatenate([finite, ratios[np.isinf(ratios)]])
+    fallen = table.collapses(not stands, values)
+    return TruthRatio(ratios, table.cell(values), features=values, fallen=fallen)
+
+
+def margin_of(scenario: Any) -> float:
+    """Velocity, or force of a pulse, over the least one at which the anchor is about to collapse.
+
+    There it collapses, hangs on bars that have turned far, or goes twice as far as it does here, if
+    it comes to rest at all.
+    0 where that is far away: above 1.25 of the velocity, or where it collapses at 0.8 of it.
+    """
+
+    def falls(factor: float) -> bool:
+        there = _anchor(_scaled(scenario, factor))
+        return there.hangs or not abs(there.peak) <= most  # nor does it come to rest
+
+    here = _anchor(scenario)
+    gone = here.hangs or isinf(here.peak)
+    most = BOUND if gone else TWICE * abs(here.peak)
+    low, high = (FAR, 1.0) if gone else (1.0, 1.0 / FAR)
+    if isnan(here.peak) or (falls(low) if gone else not falls(high)):
+        return 0.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if falls(middle) else (middle, high)
+    return 1.0 / high
 
 
 def _is_beside(scenario: Any) -> bool:
     """Whether a hit passes beside the shear centre, of which only shells know."""
     return bool(getattr(getattr(scenario, "striker", None), "eccentricity", 0.0))
-
-
-def _rated(scenario: Any) -> ErrorTable | None:
-    """The table of what the rate law of a scenario adds; None without a law, or where unknown."""
-    return _table(scenario).rated if feels_rate(scenario) else None
 
 
 def widened(values: Array, doubts: Array) -> Array:
@@ -259,10 +295,8 @@ def residual_ends(scenario: Any, response: Response | None = None) -> tuple[floa
     table = table_of(scenario)
     if table is None or truth_ratio(scenario).reason or _is_beside(scenario):
         return None
-    features, rated = truth_ratio(scenario).features, _rated(scenario)
-    parts = table.residuals(features)
-    more = rated.residuals(features) if rated else parts
-    if not len(parts) or not len(more):
+    parts = table.residuals(truth_ratio(scenario).features)
+    if not len(parts):
         return None
     if response is not None and _is_anchor(response, table.anchor):
         peak, residual, _ = reached(response)
@@ -270,7 +304,6 @@ def residual_ends(scenario: Any, response: Response | None = None) -> tuple[floa
         peak, residual, _ = _anchor(scenario)
     if isnan(residual):
         return None
-    parts = widened(parts, more) if rated else parts
     low, high = ends_of(len(parts))
     return residual + float(parts[low]) * peak, residual + float(parts[high]) * peak
 
@@ -291,11 +324,12 @@ def _is_anchor(response: Response, anchor: str) -> bool:
     return attribute(response, "options") == options_of(make_model(anchor))
 
 
-def _faster(scenario: Any) -> Any:
+def _scaled(scenario: Any, factor: float) -> Any:
+    """The scenario at so many times its velocity or force."""
     if isinstance(scenario, MemberPulse):
-        peak = FASTER * scenario.pulse.peak
+        peak = factor * scenario.pulse.peak
         return replace(scenario, pulse=replace(scenario.pulse, peak=peak))
-    return scenario.at_velocity(FASTER * scenario.striker.velocity)
+    return scenario.at_velocity(factor * scenario.striker.velocity)
 
 
 ORDER = (ANCHOR, REFERENCE, FINEST)
@@ -345,8 +379,8 @@ def advise(model: Model, scenario: Any, response: Response | None = None) -> lis
     of that, and of its error.
     """
     if response is None:
-        findings = _domain_findings(model, scenario)
-        if model.name == ANCHOR and table_of(scenario) is not None:
+        findings, table = _domain_findings(model, scenario), table_of(scenario)
+        if table is not None and model.name == table.anchor:
             findings = judged(model, scenario, anchor_error(scenario), findings)
         return with_remedies(model, scenario, findings)
     return _advised(model, scenario, response)[0]
@@ -395,10 +429,10 @@ def judged(
 def _about(error: ExpectedError, causes: str) -> Iterator[Finding]:
     """Warnings of an error, and the `causes` that the domain of the model names."""
     if error.warns:
-        parts = ("at-least",) * (error.near_collapse) + ("because",) * bool(causes)
-        chance = 100.0 * (error.chance or 0.0)
+        parts = ("at-least",) * (error.reason == OPEN_END) + ("because",) * bool(causes)
+        chances: Any = {n: 100.0 * (getattr(error, n) or 0.0) for n in ("chance", "unsafe")}
         name = "error" if error.high is not None else "error-of-collapse"
-        yield finding(name, error.chance, parts=parts, error=error, causes=causes, chance=chance)
+        yield finding(name, error.chance, parts=parts, error=error, causes=causes, **chances)
     if error.near_collapse:
         yield finding(CLOSE, anchor=error.anchor)
 
@@ -433,7 +467,7 @@ class ModelChoice:
     @property
     def reason(self) -> str:
         """Why it is taken, with the error where that was measured for such scenarios."""
-        of = "" if self.model == ANCHOR else f"{ANCHOR}: "
+        of = "" if self.model == self.error.anchor else f"{self.error.anchor}: "
         return f"{self.because}: {of}{self.error}" if self.measured else self.because
 
 
@@ -507,8 +541,8 @@ def doubts(name: str, scenario: Any) -> tuple[str, ...]:
     if scenario.KIND not in model.answers:
         return (f"it does not answer {scenario.KIND}",)
     try:
-        findings = _domain_findings(model, scenario)
-        if name == ANCHOR and table_of(scenario) is not None:
+        findings, table = _domain_findings(model, scenario), table_of(scenario)
+        if table is not None and name == table.anchor:
             error = anchor_error(scenario)
             if error.chance is None:
                 return (error.reason,)

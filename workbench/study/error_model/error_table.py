@@ -18,19 +18,22 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from workbench.base.arrays import Array
+from workbench.base.arrays import Array, Flags
 from workbench.base.catalogue import load
 from workbench.base.errors import OutOfDomainError
 from workbench.mechanics.frames.column_estimate import column_like
+from workbench.models.base import is_oblique
 from workbench.models.domain import shear_demand
 from workbench.models.hit_mass import elastic_energy, front_velocity
 from workbench.models.resistance.shapes import stages_of
-from workbench.models.strain_rate import rate_factor, stronger
+from workbench.models.strain_rate import feels_rate, rate_factor, stronger
 from workbench.responses import COVERAGE
-from workbench.scenarios import ColumnImpact, FrameImpact, MemberPulse
+from workbench.scenarios import ColumnImpact, FrameImpact, MemberPulse, Striker
 from workbench.scenarios.pulse import UNIFORM
 
 DEMAND, YIELDING, STRIKER = "shear_demand", "energy_over_elastic", "striker_over_lumped"
+FACTOR, CRUSH, SHAPE, ANGLE = "rate_factor", "front_work", "shape", "angle"
+MARGIN = "margin"  # see `error_model.margin_of`
 FEATURES = {  # of the error model, and their words
     DEMAND: "V/Vpl of the mechanism",
     YIELDING: "energy of the hit over the elastic one",
@@ -40,9 +43,12 @@ FEATURES = {  # of the error model, and their words
     "stiffening": "pull of the restraint less the axial load, over the mechanism",
     "front": "velocity over the one from which shear waves yield the webs",
     "shorter_over_length": "shorter segment over the length",
+    FACTOR: "factor on the yield stress for the strain rate",
+    CRUSH: "work of the front up to the mechanism over the energy of the hit",
+    SHAPE: "webs (0), weak axis of an I (1) or round (2)",
 }
 LOADED, LASTS = "loaded_over_length", "impulse_over_force_and_period"
-DRAWN_SHAPES = ("rectangular", "triangular", "exponential", "friedlander")
+RISES, STAYS = "rise_over_period", 10.0  # periods that a force lasts which stays
 PULSE_FEATURES = {
     LOADED: "loaded length over length",
     DEMAND: FEATURES[DEMAND],
@@ -51,14 +57,10 @@ PULSE_FEATURES = {
     "direct_shear": "half of a force at a point over Vpl",
     "axial_over_squash": FEATURES["axial_over_squash"],
     "shorter_over_length": FEATURES["shorter_over_length"],
+    RISES: "time to the largest force over the period",
 }
 FRAME_FEATURES = FEATURES | {"members": "members of the frame"}
-FACTOR = "rate_factor"
-RATE_FEATURES = {
-    DEMAND: FEATURES[DEMAND],
-    STRIKER: FEATURES[STRIKER],
-    FACTOR: "factor on the yield stress for the strain rate",
-}
+DIRECTION_FEATURES = FEATURES | {ANGLE: "angle off the web in rad"}
 _NO_NUMBERS = ("levels",)  # options that leave the answer as it is
 
 
@@ -66,8 +68,11 @@ def features(scenario: ColumnImpact) -> dict[str, float]:
     """The numbers that the error of a column may hang on, by the names of `FEATURES`.
 
     The pull acts at the displacement that the mechanism alone would need, elastic up to the squash
-    load, and across the column by the turn of both segments.
+    load, and across the column by the turn of both segments. With a rate law they are those of the
+    column that is as many times stronger as its factor says.
     """
+    factor = rate_factor(scenario, shear_yields=True) if feels_rate(scenario) else 1.0
+    scenario = stronger(scenario, factor) if feels_rate(scenario) else scenario
     column, striker, demand = scenario.column, scenario.striker, shear_demand(scenario)
     properties, below, above = column.properties, column.length_below, column.length_above
     lumped = properties.impact_mass / striker.mass
@@ -91,36 +96,51 @@ def features(scenario: ColumnImpact) -> dict[str, float]:
         "stiffening": (pull - column.axial_load) * turn / resistance,
         "front": striker.velocity / front_velocity(scenario),
         "shorter_over_length": min(below, above) / column.length,
+        FACTOR: factor,
+        CRUSH: _front_work(striker, resistance) / scenario.input_energy,
+        SHAPE: 2.0 if column.is_round else float(column.section != column.section.about("strong")),
     }
 
 
-def rate_features(scenario: ColumnImpact) -> dict[str, float]:
-    """Features of the column with one factor on the yield stress, and the factor, of a rate law."""
-    factor = rate_factor(scenario, shear_yields=True)
-    return {**features(stronger(scenario, factor)), FACTOR: factor}
+def direction_features(scenario: ColumnImpact) -> dict[str, float]:
+    """Features of the column hit in its own plane, and the angle, by `DIRECTION_FEATURES`."""
+    return {**features(scenario), ANGLE: scenario.striker.angle}
+
+
+def _front_work(striker: Striker, force: float) -> float:
+    """Work (J) of a front until it presses with a `force` (N); 0 of a rigid striker."""
+    if not striker.crushes:
+        return 0.0
+    if striker.crush is None:
+        return 0.5 * force**2 / float(striker.stiffness or 1.0)
+    strokes, forces = np.array(striker.crush).T
+    until = 1 + int(np.argmax(forces >= force)) if (forces >= force).any() else len(forces)
+    return float(np.trapezoid(forces[:until], strokes[:until]))
 
 
 def pulse_features(scenario: MemberPulse) -> dict[str, float]:
     """Numbers of a member under a pulse, without units, by the names of `PULSE_FEATURES`.
 
-    Period and resistance are those of its elastic and its last stage by Biggs. Raises
-    `OutOfDomainError` for shapes that were not drawn.
+    Period and resistance are those of its elastic and its last stage by Biggs. A ramp lasts as long
+    as any that was drawn.
     """
     column, pulse, uniform = scenario.column, scenario.pulse, scenario.load == UNIFORM
-    if pulse.shape not in DRAWN_SHAPES:
-        raise OutOfDomainError(f"pulses of the shape {pulse.shape} were not drawn")
     elastic, *_, mechanism = stages_of(column, uniform=uniform)
     mass = elastic.load_mass_factor * column.properties.mass_per_length * column.length
     period = 2.0 * pi * sqrt(mass / elastic.stiffness)
-    force = pulse.peak * scenario.whole
+    factors, times = np.abs(pulse.factors or (1.0,)), pulse.times or (0.0,)
+    force = pulse.peak * float(factors.max()) * scenario.whole
+    ramp = pulse.shape == "ramp"
+    rises = float(pulse.length or 0.0) if ramp else times[int(factors.argmax())]
     return {
         LOADED: float(uniform),
         DEMAND: max(shear_demand(scenario).values()),
-        LASTS: pulse.whole / pulse.peak / period,
+        LASTS: STAYS if ramp else pulse.lasts / period,
         "force_over_resistance": force / mechanism.load,
         "direct_shear": 0.0 if uniform else 0.5 * force / column.properties.shear_resistance,
         "axial_over_squash": column.axial_load / column.properties.squash_load,
         "shorter_over_length": min(column.length_below, column.length_above) / column.length,
+        RISES: rises / period,
     }
 
 
@@ -159,8 +179,11 @@ def command_of(model: Any) -> str:
 
 
 ANCHOR, REFERENCE, FINEST = "flexible-superelement", "fiber-shear", "solid-plane-stress"
-FACTOR_BEAM = "fiber-shear-factor"  # the reference with one factor for the strain rate
-MARGIN, NEAREST = 0.05, 20  # of the range of a feature that nobody drew; neighbours of a point
+BEAM = "fiber-reissner"  # a second reference, whose webs do not yield in shear
+MARGIN_OF_DRAW, NEAREST = (
+    0.05,
+    20,
+)  # of the range of a feature that nobody drew; neighbours of a point
 RIDGE = 10.0  # on standard features
 CUT = 0.02  # share of the values at each end that the line does not follow
 LEAST = 19  # values whose extremes hold nine of ten
@@ -212,38 +235,39 @@ class LocalMean:
 class ErrorTable:
     """Where the anchor was measured, for one `kind` of scenarios.
 
-    Arguments: `dataset` of the catalogue, a row for every scenario that the `study` draws;
+    Arguments: `dataset` of the catalogue, a row for every scenario that the `studies` draw;
     `features` of a scenario by name, as its columns have them, with their `words`; `cells`, bounds
-    of features between cells; `doubted`, those between which the finest reference judged the
-    reference (empty: it did not); share by which the peak of an anchor `grows`, at 1.05 of the
-    load, that is close to collapse; whether intervals are `centred` by what is near; names of
-    `anchor` and `reference`; the table of what a rate law adds (`rated`; None: not measured);
-    `factor`, a feature at which, if it is 1, nothing is off: errors grow in proportion to what it
-    has beyond 1, and below all that were drawn are at most those of the least (empty: none does).
+    of features between cells, the weightiest first: what leaves too few rows bounds nothing;
+    `doubted`, those between which the finest reference judged the reference (empty: it did not);
+    whether intervals are `centred` by what is near; names of `anchor` and `reference`.
     """
 
     kind: str
     dataset: str
-    study: str
+    studies: tuple[str, ...]
     features: Callable[[Any], dict[str, float]]
     words: Mapping[str, str]
     cells: Mapping[str, tuple[float, ...]]
     doubted: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
-    grows: float = 0.13
     centred: bool = False
     anchor: str = ANCHOR
     reference: str = REFERENCE
-    rated: "ErrorTable | None" = None
-    factor: str = ""
 
     @cached_property
     def rows(self) -> pd.DataFrame:
-        """The table, read once."""
-        return load(self.dataset)
+        """The table, read once; twice a row where two references differ about collapse."""
+        rows = load(self.dataset)
+        if BEAM not in rows:
+            return rows
+        beam, truth = rows[BEAM], rows[TRUTH]
+        apart = beam.notna() & truth.notna() & (np.isinf(beam) != np.isinf(truth))
+        second = rows[apart].assign(**{TRUTH: beam[apart], "reference_residual": nan})
+        both: pd.DataFrame = pd.concat([rows, second], ignore_index=True)
+        return both
 
     @cached_property
     def ratios(self) -> Array:
-        """ln(truth / anchor) of all rows (n,), NaN where one has no peak."""
+        """ln(truth / anchor) of all rows (n,), infinite where one collapses, NaN without a peak."""
         return self._against(self.anchor) * -1.0
 
     def log_ratios(self, values: Mapping[str, float]) -> Array:
@@ -253,71 +277,113 @@ class ErrorTable:
 
     def rests(self, values: Mapping[str, float]) -> Array:
         """Sorted ln(truth / anchor) in the cell of a scenario, less what the others expect."""
-        rests: Array = _alike(self._rests, self.rows, values, self.cells) * self._scale(values)
-        return rests
-
-    def _scale(self, values: Any) -> Any:
-        """Scale of errors, by features or of all rows; no less than was drawn."""
-        if not self.factor:
-            return 1.0
-        least = self.rows[self.factor][~np.isnan(self.ratios)].min()
-        return np.maximum(values[self.factor], least) - 1.0
+        return np.sort(self._rests[self._alike(self._judged, values)])
 
     @cached_property
     def _rests(self) -> Array:
-        rests: Array = self.ratios / self._scale(self.rows)
+        rests = self.ratios.copy()
         if self.centred:
-            rests[np.isfinite(rests)] = self._local.rests
+            rests[self._known] = self._local.rests
         return rests
 
     @cached_property
+    def _judged(self) -> Flags:
+        """Rows where the anchor stands, whatever the truth does (n,)."""
+        judged: Flags = self.ratios > -inf  # so that it is not NaN
+        return judged
+
+    @cached_property
+    def _known(self) -> Flags:
+        """Rows where truth and anchor stand (n,)."""
+        known: Flags = np.isfinite(self.ratios)
+        return known
+
+    @cached_property
     def _local(self) -> LocalMean:
-        known = np.isfinite(self.ratios)
-        return LocalMean(self._points[known], self.ratios[known])
+        return LocalMean(self._points[self._known], self.ratios[self._known])
 
     def residuals(self, values: Mapping[str, float]) -> Array:
         """Sorted differences of residuals, truth less anchor, over the peak of the anchor."""
         if "anchor_residual" not in self.rows:
             return np.empty(0)
         change = self.rows["reference_residual"] - self.rows["anchor_residual"]
-        parts = (change / self.rows[self.anchor] / self._scale(self.rows)).to_numpy(float)
-        known = _alike(parts + 0.0 * self.ratios, self.rows, values, self.cells)
-        return known * self._scale(values) if len(known) >= LEAST else known[:0]
+        parts = (change / self.rows[self.anchor]).to_numpy(float)
+        known = np.sort(parts[self._alike(self._known, values) & ~np.isnan(parts)])
+        return known if len(known) >= LEAST else known[:0]
 
     def doubts(self, values: Mapping[str, float]) -> Array:
         """Sorted ln(finest / reference) of such columns, empty where they are few."""
         if not self.doubted:
             return np.empty(0)
-        known = _alike(self._against(FINEST), self.rows, values, self.doubted)
-        return known if len(known) >= FEWEST else known[:0]
+        ratios = self._against(FINEST)
+        inside = self._alike(np.isfinite(ratios), values, self.doubted, FEWEST)
+        return np.sort(ratios[inside])
+
+    def _alike(
+        self,
+        known: Flags,
+        values: Mapping[str, float],
+        cells: Mapping[str, tuple[float, ...]] | None = None,
+        least: int = 0,
+    ) -> Flags:
+        """Rows (n,) among those `known` that lie in the cell of a scenario.
+
+        Bounds that leave fewer than `LEAST` are dropped, the last ones first, and close to a
+        collapse all but that; with `least` none is, and no rows are left where they are fewer.
+        """
+        for name, bounds in (self.cells if cells is None else cells).items():
+            if values.get(MARGIN) and name != MARGIN:
+                break
+            here = np.searchsorted(bounds, values.get(name, 0.0), "right")
+            inside = known & (np.searchsorted(bounds, self.rows[name], "right") == here)
+            if not least and inside.sum() < LEAST:
+                break
+            known = inside
+        return known if known.sum() >= least else known & False
+
+    def knows(self, margin: float) -> bool:
+        """Whether enough anchors that stand were drawn as close to a collapse."""
+        near = {MARGIN: self.cells[MARGIN]}
+        return bool(self._alike(self._judged, {MARGIN: margin}, near, LEAST).any())
 
     def cell(self, values: Mapping[str, float]) -> str:
         """The cell of a scenario in words."""
         texts = []
         for name, bounds in self.cells.items():
-            place = int(np.searchsorted(bounds, values[name], "right"))
+            value = values.get(name, 0.0)
+            if name == MARGIN and not value:
+                continue
+            if values.get(MARGIN) and name != MARGIN:
+                break
+            place = int(np.searchsorted(bounds, value, "right"))
+            if name in UNUSUAL:
+                texts += [UNUSUAL[name][place - 1]] if place else []
+                continue
             low, high = (0.0, *bounds)[place], (*bounds, inf)[place]
             between = f"{low:g} to {high:g}" if low and high < inf else ""
             between = between or (f"above {low:g}" if low else f"below {high:g}")
-            texts.append(f"{self.words[name]} {between}")
+            texts.append(f"{self.words.get(name, NEARNESS)} {between}")
         return ", ".join(texts)
 
-    def collapses(self, anchored: bool) -> float:
-        """Chance that a structure collapses whose anchor does, or does not (rule of succession)."""
+    def collapses(self, anchored: bool, values: Mapping[str, float]) -> float:
+        """Chance that a structure collapses whose anchor does, or does not (rule of succession).
+
+        Of structures with a like `MARGIN`, if it has one; of all that are far from a collapse else.
+        """
         truth, anchor = self.rows[TRUTH].to_numpy(), self.rows[self.anchor].to_numpy()
-        alike = truth[(np.isinf(anchor) == anchored) & ~np.isnan(anchor) & ~np.isnan(truth)]
+        known = (np.isinf(anchor) == anchored) & ~np.isnan(anchor) & ~np.isnan(truth)
+        near = {name: bounds for name, bounds in self.cells.items() if name == MARGIN}
+        alike = truth[self._alike(known, values, near)]
         return float((np.isinf(alike).sum() + 1.0) / (len(alike) + 2.0))
 
     def unknown(self, values: Mapping[str, float]) -> str:
         """Why nothing is known of a scenario with such features; empty where something is."""
-        point, known = self.scaled(values), self._points[~np.isnan(self.ratios)]
+        point, known = self.scaled(values), self._points[self._known]
         low, high = known.min(axis=0), known.max(axis=0)
-        if self.factor:
-            low[list(self.words).index(self.factor)] = 0.0  # of 1, where nothing is off
-        away = np.maximum(low - point, point - high) > MARGIN * (high - low)
+        away = np.maximum(low - point, point - high) > MARGIN_OF_DRAW * (high - low)
         texts = []
         for name in np.array(list(self.words))[away]:
-            drawn = self.rows[name][~np.isnan(self.ratios)]
+            drawn = self.rows[name][self._known]
             span = f"drawn were {drawn.min():.3g} to {drawn.max():.3g}"
             texts.append(f"{self.words[name]} {values[name]:.3g}, {span}")
         if texts:
@@ -331,8 +397,8 @@ class ErrorTable:
     def _against(self, name: str) -> Array:
         """ln(peak of a model / truth), of magnitudes, of all rows, NaN where one has none."""
         with np.errstate(invalid="ignore", divide="ignore"):
-            ratios = np.log(np.abs(self.rows[name].div(self.rows[TRUTH]).to_numpy(float)))
-        return np.where(np.isfinite(ratios), ratios, nan)
+            ratios: Array = np.log(np.abs(self.rows[name].div(self.rows[TRUTH]).to_numpy(float)))
+        return ratios
 
     @cached_property
     def _points(self) -> Array:
@@ -347,65 +413,66 @@ class ErrorTable:
         return np.stack(columns, axis=-1)
 
 
-def _alike(
-    ratios: Array, rows: Any, values: Mapping[str, float], cells: Mapping[str, tuple[float, ...]]
-) -> Array:
-    """Sorted ratios (n,), where known, of the rows that lie in the cell of a scenario."""
-    inside = ~np.isnan(ratios)
-    for name, bounds in cells.items():
-        here = np.searchsorted(bounds, values[name], "right")
-        inside &= np.searchsorted(bounds, rows[name], "right") == here
-    return np.sort(ratios[inside])
-
-
 def ends_of(count: int) -> tuple[int, int]:
     """Places of the ends of an interval among sorted values; the extremes where those are few."""
     low = max(floor((count + 1) * 0.5 * (1.0 - COVERAGE)) - 1, 0)
     return low, count - 1 - low
 
 
-RATES = ErrorTable(
-    kind=ColumnImpact.KIND,
-    dataset="rates",
-    study="drawn_rates",
-    features=rate_features,
-    words=RATE_FEATURES,
-    cells={STRIKER: (0.6,), DEMAND: (1.0,)},
-    anchor=FACTOR_BEAM,
-    factor=FACTOR,
-)
+UNUSUAL = {  # features that most scenarios lack, and what their cells are called
+    FACTOR: ("with a strain rate",),
+    CRUSH: ("hit by a front that crushes",),
+    SHAPE: ("bent about the weak axis", "round"),
+}
+NEARNESS = "velocity over that of a collapse of the anchor"
+FAR = 0.8  # largest velocity over that of a collapse that is not close to it
+_NEAR = {MARGIN: (FAR, 0.9, 1.0)}
 COLUMNS = ErrorTable(
     kind=ColumnImpact.KIND,
     dataset="columns",
-    study="which_model",
+    studies=("which_model", "drawn_columns"),
     features=features,
     words=FEATURES,
-    cells={STRIKER: (0.6, 5.0), DEMAND: (0.5, 1.0)},
+    cells={
+        **_NEAR,
+        **{CRUSH: (1e-6,), SHAPE: (0.5, 1.5), FACTOR: (1.02,)},
+        **{STRIKER: (0.6, 5.0), DEMAND: (0.5, 1.0)},
+    },
     doubted={STRIKER: (0.6,), DEMAND: (0.5, 1.0)},
     centred=True,
-    rated=RATES,
+)
+DIRECTIONS = ErrorTable(
+    kind=ColumnImpact.KIND,
+    dataset="directions",
+    studies=("drawn_directions",),
+    features=direction_features,
+    words=DIRECTION_FEATURES,
+    cells={**_NEAR, STRIKER: (0.6, 5.0)},
+    anchor="superelement-space",
+    reference="fiber-space",
 )
 PULSES = ErrorTable(
     kind=MemberPulse.KIND,
     dataset="pulses",
-    study="drawn_pulses",
+    studies=("drawn_pulses",),
     features=pulse_features,
     words=PULSE_FEATURES,
-    cells={LOADED: (0.5,)},
-    grows=0.25,
+    cells={**_NEAR, LOADED: (0.5,)},
 )
 FRAMES = ErrorTable(
     kind=FrameImpact.KIND,
     dataset="frames",
-    study="drawn_frames",
+    studies=("drawn_frames",),
     features=frame_features,
     words=FRAME_FEATURES,
-    cells={STRIKER: (0.6, 5.0)},
+    cells={**_NEAR, STRIKER: (0.6, 5.0)},
 )
 OF_KINDS = {table.kind: table for table in (COLUMNS, PULSES, FRAMES)}
-TABLES = {table.dataset: table for table in (*OF_KINDS.values(), RATES)}
+TABLES = {table.dataset: table for table in (*OF_KINDS.values(), DIRECTIONS)}
 
 
 def table_of(scenario: Any) -> ErrorTable | None:
-    """The table of a scenario's kind; None where errors were not measured."""
+    """The table of a scenario's kind, and of its direction; None where errors were not measured."""
+    if isinstance(scenario, ColumnImpact) and is_oblique(scenario):
+        return DIRECTIONS
     return OF_KINDS.get(scenario.KIND)
