@@ -218,6 +218,10 @@ def test_close_to_collapse_the_chance_of_one_stands_beside_the_peak(tmp_path, ca
         text = capsys.readouterr().out
         assert f"{falls}." in text
         assert "90 %:" not in text
+    assert run(["simulate", str(file), "--model", REFERENCE, "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["error"]["collapse"] is None  # it stands, and is the truth of the others
+    assert "collapse" not in answer["headline"]
     assert run(["advise", str(file), "--json"]) == 0
     advice = json.loads(capsys.readouterr().out)
     assert advice["error"]["low"] == -1.0

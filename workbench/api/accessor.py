@@ -99,7 +99,8 @@ def _interval(peak: float, error: ExpectedError) -> str:
     if error.high is None:
         return ""
     factor = unit_of(PEAK).factor
-    falls = f", or collapse: {100.0 * (error.collapse or 0.0):.0f} %" if error.near_collapse else ""
+    said = error.near_collapse and error.collapse is not None
+    falls = f", or collapse: {100.0 * (error.collapse or 0.0):.0f} %" if said else ""
     if error.low is None or error.low <= -1.0:
         least = in_unit(peak / (1.0 + error.high), PEAK, 3)
         return f"{'' if error.reason else falls}, at least {least}; {error.reason}".rstrip("; ")

@@ -225,7 +225,7 @@ def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -
         rows.insert(1, (f"by {other['model']}, a reference", f"{other['outcome']}{known}"))
     yield definitions(tuple(rows if full else islice(rows, _ROWS)))
     error = error_of(response)
-    if error.collapse is not None:
+    if error.collapse is not None or error.expected is not None:
         yield paragraph(f"Error of the peak displacement: {error}.")
     elif answer[PEAK] is not None and error.high is None:
         yield paragraph(f"No interval of the peak displacement: {error.reason}.")

@@ -139,6 +139,7 @@ def _error(scenario: Any, name: str, answer: float, anchor: float | None) -> Exp
     values = ratio.values + log(anchor / answer)
     if name in (table.reference, FINEST) and not _is_beside(scenario):
         values = table.doubts(ratio.features) if name == table.reference else values[:0]
+        known = replace(known, collapse=None)  # that is what it answers itself
     if not len(values):
         return replace(known, reason="nothing finer has measured it")
     errors = np.exp(-values[::-1]) - 1.0
