@@ -84,12 +84,13 @@ def with_law(impact: Any, rng: np.random.Generator) -> Any:
 
 
 def hits_of(seed: int, kind: str) -> Iterator[ColumnImpact]:
-    """Struck columns of one stratum without end, of strain rate as many as its cells hold."""
+    """Struck columns of one stratum, without end but for strain rate, whose cells hold so many."""
     rng = np.random.default_rng([seed, list(STRATA).index(kind)])
     if kind == RATES:
         quotas = np.full((3, 3), -(-STRATA[kind][0] // 9))
         hits = [with_law(impact, rng) for impact, _ in stratified(seed, quotas)]
         yield from (hits[place] for place in rng.permutation(len(hits)))
+        return
     _, sections, shares = STRATA[kind]
     for number in count(1):
         point, part = rng.random(14), rng.random(3)

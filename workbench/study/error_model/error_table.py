@@ -180,10 +180,8 @@ def command_of(model: Any) -> str:
 
 ANCHOR, REFERENCE, FINEST = "flexible-superelement", "fiber-shear", "solid-plane-stress"
 BEAM = "fiber-reissner"  # a second reference, whose webs do not yield in shear
-MARGIN_OF_DRAW, NEAREST = (
-    0.05,
-    20,
-)  # of the range of a feature that nobody drew; neighbours of a point
+BEYOND_DRAW = 0.05  # share of the range of a feature, by which a scenario may lie outside of it
+NEAREST = 20  # neighbours of a point
 RIDGE = 10.0  # on standard features
 CUT = 0.02  # share of the values at each end that the line does not follow
 LEAST = 19  # values whose extremes hold nine of ten
@@ -206,19 +204,22 @@ class LocalMean:
 
     def at(self, point: Array) -> float:
         """Expected value at a point (k,); measured ones at this very point are left out."""
-        place = self._standard(point)
-        distances = np.linalg.norm(self._places - place, axis=1)
+        return self._at(self._standard(point))
+
+    def _at(self, place: Array) -> float:
+        away = self._places - place
+        distances = np.sqrt(np.einsum("ij,ij->i", away, away))
         distances[distances == 0.0] = np.inf
-        near = np.argsort(distances)[: min(NEAREST, len(distances) - 1)]
-        weights = 1.0 - (distances[near] / distances[near[-1]]) ** 2 + 1e-9
+        count = min(NEAREST, len(distances) - 1)
+        near = np.argpartition(distances, count - 1)[:count]  # a sort of all takes most of the time
+        weights = 1.0 - (distances[near] / distances[near].max()) ** 2 + 1e-9
         line = float(self._with_one(place) @ self._line)
         return line + float(weights @ self._off[near] / weights.sum())
 
     @cached_property
     def rests(self) -> Array:
         """The values less what the others make expect of them (n,)."""
-        points = self._places * self._scale + self._mean
-        rests: Array = self.values - np.array([self.at(point) for point in points])
+        rests: Array = self.values - np.array([self._at(place) for place in self._places])
         return rests
 
     def _standard(self, points: Array) -> Array:
@@ -372,7 +373,7 @@ class ErrorTable:
         """
         truth, anchor = self.rows[TRUTH].to_numpy(), self.rows[self.anchor].to_numpy()
         known = (np.isinf(anchor) == anchored) & ~np.isnan(anchor) & ~np.isnan(truth)
-        near = {name: bounds for name, bounds in self.cells.items() if name == MARGIN}
+        near = {MARGIN: self.cells[MARGIN]}
         alike = truth[self._alike(known, values, near)]
         return float((np.isinf(alike).sum() + 1.0) / (len(alike) + 2.0))
 
@@ -380,7 +381,7 @@ class ErrorTable:
         """Why nothing is known of a scenario with such features; empty where something is."""
         point, known = self.scaled(values), self._points[self._known]
         low, high = known.min(axis=0), known.max(axis=0)
-        away = np.maximum(low - point, point - high) > MARGIN_OF_DRAW * (high - low)
+        away = np.maximum(low - point, point - high) > BEYOND_DRAW * (high - low)
         texts = []
         for name in np.array(list(self.words))[away]:
             drawn = self.rows[name][self._known]
