@@ -1,1 +1,1 @@
-"""Exchange with other programs: VTU and RO-Crate."""
+"""Exchange with other programs: VTU, RO-Crate, servers of UM-Bridge."""

@@ -40,33 +40,25 @@ _FEATURES = ("Evaluate", "Gradient", "ApplyJacobian", "ApplyHessian")
 
 
 class FaultError(Exception):
-    """A request without an answer: type and message of the protocol, HTTP status."""
+    """A request without an answer: type and message of the protocol, HTTP status, and `more`."""
 
-    def __init__(self, kind: str, message: str, status: int = 400) -> None:
+    def __init__(self, kind: str, message: str, status: int = 400, **more: Any) -> None:
         super().__init__(message)
-        self.kind, self.status = kind, status
+        self.status, self.told = status, {"type": kind, "message": message, **more}
 
 
 class Service:
     """A model of which some numbers of a scenario are the input, and scalars the output."""
 
     def __init__(self, model: Any, scenario: Any, keys: list[str], quantities: list[str]) -> None:
+        from workbench.extras.exchange.remote import number_at
         from workbench.responses import SCALARS
         from workbench.scenarios import to_toml
-        from workbench.scenarios.files import place_of
 
         self.model, self.quantities = model, quantities
         self.tables = tomllib.loads(to_toml(scenario))
-        self.paths: list[Any] = []
-        for key in keys:
-            path: Any = place_of(self.tables, key, key)
-            value: Any = self.tables
-            for part in path:
-                value = value[part] if isinstance(value, list) else value.get(part)
-            if isinstance(value, bool) or not isinstance(value, int | float):
-                text = "is no number of this scenario"
-                raise InputError("--over", key, text, "name keys as --set does, with their value")
-            self.paths.append(path)
+        self.paths = [number_at(self.tables, key, "--over")[0] for key in keys]
+        self.names = [".".join(map(str, path)) for path in self.paths]
         for name in quantities:
             if name not in SCALARS:
                 raise InputError("--quantity", name, f"must be one of {', '.join(SCALARS)}")
@@ -77,15 +69,19 @@ class Service:
 
         from workbench.models.batch import FAILURE, OUTCOME, simulate_many
         from workbench.responses import Outcome
+        from workbench.responses.build import attribute
         from workbench.scenarios.varied import Varied
 
         by_key = {path: np.array([v]) for path, v in zip(self.paths, values, strict=True)}
-        row = simulate_many(self.model, Varied(self.tables, by_key), 1).iloc[0]
+        asked = Varied(self.tables, by_key)
+        row = simulate_many(self.model, asked, 1).iloc[0]
         if row[OUTCOME] == Outcome.INVALID_INPUT.value:
             raise FaultError("InvalidInput", row[FAILURE])
         if row[OUTCOME] != Outcome.OK.value:
             kind = "".join(part.capitalize() for part in row[OUTCOME].split("-"))
-            raise FaultError(kind, row[FAILURE], 500)
+            falls = row[OUTCOME] == Outcome.COLLAPSE.value
+            how = attribute(self.model.simulate(asked[0]), "collapse") if falls else {}
+            raise FaultError(kind, row[FAILURE], 500, **({"collapse": how} if how else {}))
         output = {name: float(row.get(name, np.nan)) for name in self.quantities}
         lacking = [name for name, value in output.items() if not isfinite(value)]
         if lacking:
@@ -112,21 +108,22 @@ class Service:
                 "ModelNotFound", f"the request must name the model that is here, {name}"
             )
         if path == "/ModelInfo":
-            return {"support": {feature: feature == _FEATURES[0] for feature in _FEATURES}}
+            support = {feature: feature == _FEATURES[0] for feature in _FEATURES}
+            told = {"inputs": self.names, "outputs": self.quantities, "scenario": self.tables}
+            return {"support": support, "workbench": told}
         if asked.get("config"):
             raise FaultError(
                 "InvalidInput", "config must be empty: options are those of the server"
             )
         if path != "/Evaluate":
-            sizes = {"/InputSizes": self.paths, "/OutputSizes": self.quantities}
+            sizes = {"/InputSizes": self.names, "/OutputSizes": self.quantities}
             return {f"{path[1].lower()}{path[2:]}": [len(sizes[path])]}
         given = asked.get("input")
         if not isinstance(given, list) or [type(each) for each in given] != [list]:
             raise FaultError("InvalidInput", "input must be a list that holds one list of numbers")
         numbers = [v for v in given[0] if type(v) in (int, float) and abs(v) < 1e300]
         if not len(numbers) == len(self.paths) == len(given[0]):
-            keys = ", ".join(".".join(map(str, path)) for path in self.paths)
-            text = f"input must hold {len(self.paths)} finite numbers: {keys}"
+            text = f"input must hold {len(self.paths)} finite numbers: {', '.join(self.names)}"
             raise FaultError("InvalidInput", text)
         return {"output": [self.evaluate(list(map(float, numbers)))]}
 
@@ -190,7 +187,7 @@ class Server(TcpWSGIServer):  # type: ignore[misc]
                 self.count += path == "/Evaluate"
                 content = self.service.reply(path, body)
         except FaultError as fault:
-            content = {"error": {"type": fault.kind, "message": str(fault)}}
+            content = {"error": fault.told}
             status = fault.status
         except Exception as error:  # whatever goes wrong here is for the client to know
             content = {"error": {"type": "InternalServerError", "message": message_of(error)}}
