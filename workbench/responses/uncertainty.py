@@ -29,9 +29,9 @@ FINEST = "h"  # the run that is the answer
 FIBERS, STEPS = "fibers", "steps"
 SPACE, SPACE_AND_STEPS = "space", "space and steps"
 CURVES = {"displacement": "run_displacement", "force": "run_force"}
-# attributes of a response: half-widths by quantity of a computed number, of data, of samples
+# attributes of a response: half-widths by quantity computed, of data, samples, open inputs
 WIDTHS, DATA_WIDTHS = "numerical_uncertainty", "data_uncertainty"
-SAMPLE_WIDTHS = "sampling_uncertainty"
+SAMPLE_WIDTHS, INPUT_WIDTHS = "sampling_uncertainty", "input_uncertainty"
 BASIS = "refinement"  # attribute: runs behind the numerical uncertainty, and what they said
 SAMPLED = "sampling_interval"  # attribute: ends of intervals over tests by quantity
 
@@ -184,7 +184,7 @@ def _abscissa(response: Response) -> Array:
     return np.concatenate([[0.0], travelled])
 
 
-_WIDTHS = (WIDTHS, DATA_WIDTHS, SAMPLE_WIDTHS)
+_WIDTHS = (WIDTHS, DATA_WIDTHS, SAMPLE_WIDTHS, INPUT_WIDTHS)
 _TABLES = (*_WIDTHS, SAMPLED, BASIS, "data", "answer")
 _LADDER = ("order", "extrapolated", "uncertainty")
 

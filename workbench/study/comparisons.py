@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 from workbench.base.errors import Collapse, InputError
 from workbench.responses import Outcome, Response, attribute, collapse_of, findings_of, outcome_of
 from workbench.responses import uncertainty as numerical
-from workbench.responses.uncertainty import DATA_WIDTHS, SAMPLE_WIDTHS
+from workbench.responses.uncertainty import DATA_WIDTHS, INPUT_WIDTHS, SAMPLE_WIDTHS
 from workbench.study.assessment import METRICS, Ladder, Metric, Scope, ladder
 from workbench.study.assessment.metric import sides
 from workbench.study.definition import Case, Study
@@ -94,7 +94,16 @@ def quantity_ladder(answers: CaseAnswers, quantity: str) -> Ladder | None:
 
 
 def of_side(answers: CaseAnswers, label: str, quantity: str) -> Known:
-    """Half-width of a scalar of one side."""
+    """Half-width of a scalar of one side, with that of the inputs which a test leaves open."""
+    (own, note), response = _of_numbers(answers, label, quantity), answers.responses[label]
+    if own is None or INPUT_WIDTHS not in response.attrs:
+        return own, note
+    width = numerical.uncertainty_of(response, quantity, INPUT_WIDTHS)
+    return None if width is None else hypot(own, width), joined(note, f"{label}: open inputs")
+
+
+def _of_numbers(answers: CaseAnswers, label: str, quantity: str) -> Known:
+    """Half-width of a scalar of one side at the inputs of the scenario."""
     response = answers.responses[label]
     if _refined(response):
         note = f"{label}: {own_note(response, quantity)}"

@@ -12,7 +12,7 @@ import pandas as pd
 
 from workbench.base.errors import InputError, SolverError
 from workbench.responses import attribute, is_synthetic
-from workbench.responses.uncertainty import DATA_WIDTHS
+from workbench.responses.uncertainty import DATA_WIDTHS, INPUT_WIDTHS, uncertainty_of
 from workbench.study.assessment import METRICS
 from workbench.study.comparisons import CaseAnswers, compare
 from workbench.study.definition import Study, holds_data
@@ -21,7 +21,7 @@ from workbench.study.tables import Row, counts, numbers, tabled, texts
 VALIDATION_COLUMNS = (
     texts("model", "against", "quantity")
     | counts("tests", "campaigns")
-    | numbers("bias", "low", "high", "scatter", "measurement", "least")
+    | numbers("bias", "low", "high", "scatter", "measurement", "inputs", "least")
     | texts("worst")
     | counts("covered", "counted")
     | numbers("coverage_low", "coverage_high")
@@ -59,7 +59,9 @@ def _pair(answers: CaseAnswers, model: str, against: str, quantity: str) -> Row 
     measured = answers.responses[against]
     width = attribute(measured, DATA_WIDTHS)[quantity]
     row = {"campaign": attribute(measured, "data")["campaign"], "specimen": answers.case.name}
-    row |= {"test": test, "prediction": prediction, "measured": width / test}
+    inputs = uncertainty_of(answers.responses[model], quantity, INPUT_WIDTHS) or 0.0
+    row |= {"test": test, "prediction": prediction, "measurement": width / test}
+    row |= {"inputs": inputs / prediction}
     return {**row, "error": compared.error, "uncertainty": compared.uncertainty}
 
 
@@ -70,11 +72,11 @@ def _metrics(pairs: pd.DataFrame) -> Row:
 
     known = pairs.dropna(subset="uncertainty")
     covered = int((known["error"].abs() <= known["uncertainty"]).sum())
-    rms = sqrt(sum(pairs["measured"] ** 2) / len(pairs))
+    parts = {name: sqrt((pairs[name] ** 2).mean()) for name in ("measurement", "inputs")}
     row: dict[str, object] = {
         "tests": len(pairs),
         "campaigns": pairs["campaign"].nunique(),
-        "measurement": rms / _TWO_SIDED,
+        **{name: rms / _TWO_SIDED for name, rms in parts.items()},
         "covered": covered,
         "counted": len(known),
     }

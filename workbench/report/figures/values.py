@@ -42,6 +42,7 @@ from workbench.responses.uncertainty import DATA_WIDTHS, uncertainty_of
 from workbench.steel.hinges import ShearSurface, has_webs
 from workbench.steel.hinges.interaction import ANGLES, RULES, radial_error, radius
 from workbench.study.assessment.gates import SUMS
+from workbench.study.assessor import width_of
 from workbench.study.definition import Case
 
 MOST_CASES = 8
@@ -239,7 +240,7 @@ def _pairs(request: Request, label: str) -> pd.DataFrame:
         if test is None or answer is None or None in values:
             continue
         test_width = uncertainty_of(test, request.quantity, DATA_WIDTHS)
-        prediction_width = uncertainty_of(answer, request.quantity)
+        prediction_width = request.number(case, label, width_of(request.quantity))
         campaign = attribute(test, "data").get("campaign", "all")
         rows.append(
             (label, case.name, campaign, *values, test_width or 0.0, prediction_width or 0.0)
@@ -261,8 +262,8 @@ def _summary(request: Request, label: str) -> tuple[str, str]:
     text = f"{label}: median of test over prediction {number(row['bias'], 3)}{span}, "
     made = f" {_SYNTHETIC}: no test." if row["synthetic"] else ""
     return (
-        f"median {number(row['bias'], 3)}\n{held} inside",
-        f"{text}{held} inside the stated interval.{made}",
+        f"median {number(row['bias'], 3)}\n{held} intervals hold",
+        f"{text}{held} stated intervals hold the test.{made}",
     )
 
 

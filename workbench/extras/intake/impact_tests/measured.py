@@ -56,7 +56,7 @@ class Measured(Answering):
 
     def domain(self, scenario: Scenario) -> list[Finding]:
         """Refuse what was not tested, and say where numbers are made."""
-        test = self._test(scenario)
+        test = self.test(scenario)
         if test is None:
             names = ", ".join(entry.name for entry in tables(self.dataset))
             return [finding("no-test", names=names)]
@@ -67,7 +67,8 @@ class Measured(Answering):
             return [finding("synthetic")]
         return []
 
-    def _test(self, scenario: Scenario) -> ImpactTest | None:
+    def test(self, scenario: Scenario) -> ImpactTest | None:
+        """The test of a scenario, None where it was not tested."""
         if not isinstance(scenario, ColumnImpact):
             return None
         for test in impact_tests(self.dataset):
@@ -77,7 +78,7 @@ class Measured(Answering):
         return None
 
     def _solve(self, scenario: Scenario) -> Response:
-        test = self._test(scenario)
+        test = self.test(scenario)
         if test is None:
             raise OutOfDomainError("nothing was measured for this scenario")
         if test.collapse is not None:

@@ -1,12 +1,13 @@
 """Impact tests: the schema, one row per test in SI, and the tests of the data catalogue.
 
 ``columns.csv`` beside this file declares the columns. A beam is a column without axial load. An
-empty cell means that the quantity was not reported.
+empty cell means that the quantity was not reported. An input of which a range is known has the
+middle in its own column and half of the range in that of its uncertainty.
 """
 
 import hashlib
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from math import nan
 from pathlib import Path
@@ -49,6 +50,16 @@ _KEYS = {
     "striker.restitution": "restitution",
     "time.duration": "duration_s",
 }
+# inputs that a test may leave open, by the columns of their half-widths and of the other supports
+OPEN = {
+    "yield_stress_Pa": "yield_stress_uncertainty_Pa",
+    "wall_m": "wall_uncertainty_m",
+    "mass_kg": "mass_uncertainty_kg",
+    "velocity_m_per_s": "velocity_uncertainty_m_per_s",
+    "axial_load_N": "axial_load_uncertainty_N",
+}
+_ELSE = {"base": "base_else", "head": "head_else"}
+SUPPORTS = "supports"
 _NAMED = {**_KEYS, "column.section": "section", "column.length_below": "hit_at_m"}
 
 
@@ -70,6 +81,34 @@ def scenario_of(row: Row) -> ColumnImpact:
     return scenario
 
 
+def ends_of(row: Row) -> dict[str, tuple[ColumnImpact, ...]]:
+    """The scenarios at the ends of each input that a row leaves open, one input at a time.
+
+    Keys are columns, and `SUPPORTS`: those of both ends of a member are one input.
+    Raises `InputError` by the keys of scenarios.
+    """
+    halves = {name: half for name, column in OPEN.items() if (half := known(row, column))}
+    ends = {
+        name: tuple(
+            scenario_of({**row, name: (known(row, name) or 0.0) + way}) for way in (-half, half)
+        )
+        for name, half in halves.items()
+    }
+    other = {name: row[column] for name, column in _ELSE.items() if row.get(column)}
+    return {**ends, SUPPORTS: (scenario_of({**row, **other}),)} if other else ends
+
+
+def _open(row: Row) -> Iterator[RowFinding]:
+    """Contradictions of what a row leaves open."""
+    for name, column in OPEN.items():
+        half, middle = known(row, column), abs(known(row, name) or 0.0)
+        if half is not None and half >= middle:
+            yield column, half, f"is no less than {name}, {middle:g}", "it is half of a range"
+    for name, column in _ELSE.items():
+        if row.get(column) and row[column] == row[name]:
+            yield column, row[column], f"is {name} itself", "leave it empty"
+
+
 def _contradictions(row: Row) -> Iterator[RowFinding]:
     """Contradictions within a row whose cells are possible one by one."""
     span, hit = known(row, "span_m") or 0.0, known(row, "hit_at_m") or 0.0
@@ -85,8 +124,9 @@ def _contradictions(row: Row) -> Iterator[RowFinding]:
         try:
             scenario_of(row)
         except InputError as error:
-            field = next((k for k in _NAMED if error.field.startswith(k)), "")
-            yield _NAMED.get(field, ""), error.value, error.allowed, error.advice
+            key = next((k for k in _NAMED if error.field.startswith(k)), "")
+            yield _NAMED.get(key, ""), error.value, error.allowed, error.advice
+    yield from _open(row)
     yield from _measured(row, span)
 
 
@@ -132,7 +172,8 @@ class ImpactTest:
 
     `measured` gives the mean of each quantity with its half-width (95 %): that of single tests, as
     equal tests share their systematic errors, or the farthest of them if that is wider. It is empty
-    where the member collapsed, in `collapsed` of the tests: `collapse` says how.
+    where the member collapsed, in `collapsed` of the tests: `collapse` says how. `open`: the
+    scenarios at the ends of the inputs that it leaves open, by input.
     """
 
     names: tuple[str, ...]
@@ -142,6 +183,7 @@ class ImpactTest:
     entries: tuple[Dataset, ...]
     collapse: Collapse | None = None
     collapsed: int = 0
+    open: Mapping[str, tuple[ColumnImpact, ...]] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -178,7 +220,9 @@ def impact_tests(name: str | None = None) -> tuple[ImpactTest, ...]:
     for entry in tables(name):
         digest = hashlib.sha256(entry.path.read_bytes()).hexdigest()
         for row, scenario in _rows(entry.path, digest):
-            groups.setdefault(scenario_hash(scenario), []).append((entry, row, scenario))
+            # how long a response is followed is not part of what was tested
+            key = scenario_hash(replace(scenario, duration=1.0))
+            groups.setdefault(key, []).append((entry, row, scenario))
     return tuple(_test(group) for group in groups.values())
 
 
@@ -214,4 +258,5 @@ def _test(group: list[tuple[Dataset, Row, ColumnImpact]]) -> ImpactTest:
         entries=tuple({entry.name: entry for entry, _, _ in real}.values()),
         collapse=collapse,
         collapsed=len(fallen),
+        open=ends_of(row),
     )
