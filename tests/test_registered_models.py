@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
+from workbench.extras.intake.add import add_table
 from workbench.extras.intake.impact_tests import impact_tests
+from workbench.extras.intake.mapping import Mapping
 from workbench.extras.laboratory.scenario import ImpactProblem
 from workbench.extras.laboratory.schemes import SCHEMES
 from workbench.models.base import Model, make_model, model_kind, model_names
@@ -61,7 +64,9 @@ def model_of(name: str) -> Model:
 @pytest.mark.thorough
 @pytest.mark.usefixtures("few_load_steps")
 @pytest.mark.parametrize("name", [name for name in model_names() if name not in ELSEWHERE])
-def test_every_model_keeps_the_contract(name: str, thesis_impact) -> None:
+def test_every_model_keeps_the_contract(
+    name: str, thesis_impact, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     model = model_of(name)
     thesis_impact = replace(thesis_impact, duration=0.03)  # past the peak
     pulse = Pulse("triangular", 1e6, 0.01)
@@ -74,9 +79,16 @@ def test_every_model_keeps_the_contract(name: str, thesis_impact) -> None:
         ColumnPushover("push", thesis_impact.column, 0.05),
         MemberPulse("pulse", thesis_impact.column, pulse, "uniform", 0.012),
     ]
+    if name == "imported":  # an answer of which to answer
+        monkeypatch.setenv("WORKBENCH_DATA", str(tmp_path / "own"))
+        response = make_model("four-dof").simulate(scenarios[0])
+        history = pd.DataFrame({"time_s": response.time, "displacement_m": response.displacement})
+        history.to_csv(tmp_path / "theirs.csv", index=False)
+        said = Mapping(title="theirs", source="a test", licence="MIT", role="verify")
+        add_table(tmp_path / "theirs.csv", mapping=said, scenario=scenarios[0], kind="answers")
     if name == "measured":
         scenarios = [impact_tests("synthetic-impacts")[0].scenario, *scenarios]
-    if name not in ("published", "measured"):
+    if name not in ("published", "measured", "imported"):
         pinned = replace(thesis_impact.column, base="pinned", axial_load=0.0)
         scenarios.append(replace(thesis_impact.at_velocity(5.0), column=pinned))
     studs = {"calibrate": ("provines2019",), "validate": ("lehigh279",)}

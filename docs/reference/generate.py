@@ -17,6 +17,7 @@ import workbench as wb
 from workbench.base.fields import Declared, Instance, Many, path_of
 from workbench.base.offered import offered
 from workbench.cli import run
+from workbench.extras.intake.answers import SERIES
 from workbench.extras.intake.impact_tests.rows import IMPACTS
 from workbench.responses.histories import COORDINATES, VARIABLES
 from workbench.scenarios.files import KINDS
@@ -153,6 +154,8 @@ def columns() -> str:
         + _columns(POINTS)
         + "\n## Tests of impacts\n\n"
         + _columns(IMPACTS)
+        + "\n## Answers of other programs\n\n"
+        + _columns(SERIES)
         + "\n## Responses\n\n"
         + _table("variable, meaning, unit, dimensions", rows)
     )

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -16,9 +17,10 @@ from workbench.base.tables import frame_of
 
 CATALOGUE = "catalogue.toml"
 SYNTHETIC = "synthetic"  # the role of made numbers, which show a form and validate nothing
-DATA = ("published", "measured")  # names of models that hold numbers and compute none
+IMPORTED = "imported"  # name of the model that holds answers of other programs
+DATA = ("published", "measured", IMPORTED)  # models that hold numbers and compute none
 ROLES = ("calibrate", "validate", "verify", SYNTHETIC)
-OTHER, IMPACT_TESTS = "other", "impact-tests"  # kinds of tables
+OTHER, IMPACT_TESTS, ANSWERS = "other", "impact-tests", "answers"  # kinds of tables
 STUD_TESTS, STUD_POINTS = "stud-tests", "stud-points"
 TEXT, MAYBE = Text(2000), Text(2000, shortest=0)
 TABLE = Instance(dict, read=lambda value, path: Instance(dict).check(path, value))
@@ -32,7 +34,7 @@ class Dataset(Declared, table="dataset", label="name"):
     `role` says what they may be used for; `made`, how the file came about;
     `uncertainty` says how well they are known; `columns` names every column with its meaning;
     `scenario` and `axis` (optional) give the scenario file that published rows belong to and
-    the key that a column of the table varies.
+    the key that a column of the table varies; `asked`, the tables of the scenario that it answers.
     """
 
     name: str = checked(TEXT)
@@ -48,10 +50,11 @@ class Dataset(Declared, table="dataset", label="name"):
     scenario: str = checked(MAYBE, "")
     axis: str = checked(MAYBE, "")
     axis_column: str = checked(MAYBE, "")
-    kind: str = checked(Choice((OTHER, IMPACT_TESTS, STUD_TESTS, STUD_POINTS)), OTHER)
+    kind: str = checked(Choice((OTHER, IMPACT_TESTS, STUD_TESTS, STUD_POINTS, ANSWERS)), OTHER)
     year: str = checked(MAYBE, "")
     made: str = checked(MAYBE, "")
     folder: str = checked(MAYBE, "")
+    asked: dict[str, Any] | None = checked(TABLE, optional=True)
 
     @property
     def keys(self) -> tuple[str, ...]:

@@ -461,7 +461,7 @@ class _Seen:
             advice = "every specimen of a campaign has its own name"
             yield self.table.key[-1], ", ".join(key), f"stands in line {first} too", advice
             return
-        campaign = str(row["campaign"])
+        campaign = str(row.get("campaign", ""))
         spelled, first = self.spelling.setdefault(campaign.casefold(), (campaign, line))
         if campaign != spelled:
             advice = "one campaign has one spelling: scatter between campaigns counts"

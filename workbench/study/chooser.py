@@ -24,6 +24,7 @@ import numpy as np
 import pandas as pd
 import scipy
 
+from workbench.base.catalogue import IMPORTED
 from workbench.base.errors import OutOfDomainError
 from workbench.models.strain_rate import feels_rate
 from workbench.responses import PEAK, RESIDUAL, Outcome
@@ -136,6 +137,7 @@ def _matrix(study: Study, tables: Tables) -> Iterator[Row]:
         label
         for label in dict.fromkeys((*study.ranked, *study.models))
         if not holds_data(study.models[label])
+        or study.models[label].name == IMPORTED
         or (study.models[label].name == MEASURED and label in study.ranked)
     ]
     groups = dict(study.groups) or {ALL: tuple(moving or static)}

@@ -170,6 +170,8 @@ def _spread(answers: CaseAnswers, label: str, quantity: str, values: Mapping[str
         return levels.uncertainty, f"ladder of {what}: {levels.note}"
     if numerical.WIDTHS in response.attrs:
         return None, f"{label}: one mesh only, numerical uncertainty unknown"
+    if DATA_WIDTHS in response.attrs:
+        return None, f"{label} states no uncertainty of its history"
     return 0.0, ""
 
 

@@ -32,6 +32,7 @@ from scipy.io import netcdf_file, netcdf_variable
 from workbench.base.datafiles import data_directory
 from workbench.base.errors import InputError, WorkbenchError, message_of
 from workbench.base.fields import did_you_mean
+from workbench.base.offered import offered
 from workbench.responses import Response, outcome_of, response_of
 from workbench.responses.uncertainty import check_stored
 from workbench.study.definition import Study
@@ -363,7 +364,10 @@ def load_study(name: str | Path) -> LoadedStudy:
         path = known[stem]
     if not path.is_file():
         raise InputError("study", str(name), "there is no such file")
-    return LoadedStudy(study_in(path), path.resolve())
+    study = study_in(path)
+    for point in offered("sides"):  # further sides, as of answers of other programs
+        study = point.load()(study)
+    return LoadedStudy(study, path.resolve())
 
 
 def study_in(path: Path) -> Study:

@@ -2,6 +2,7 @@
 
 import hashlib
 import re
+import tomllib
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
@@ -13,13 +14,15 @@ import pandas as pd
 import tomli_w
 
 from workbench import __version__
-from workbench.base.catalogue import CATALOGUE, SYNTHETIC, Dataset, datasets, datasets_in
+from workbench.base.catalogue import ANSWERS, CATALOGUE, SYNTHETIC, Dataset, datasets, datasets_in
 from workbench.base.datafiles import data_directory, own_data_directory
 from workbench.base.errors import InputError
 from workbench.base.tables import FOUND_OUT, Reading, read_cells
+from workbench.extras.intake.answers import check_new, held
 from workbench.extras.intake.conversion import Converted, convert
 from workbench.extras.intake.kinds import KINDS, Kind, kind_of, names_column, rows_of
 from workbench.extras.intake.mapping import Mapping, check_stated, read_mapping
+from workbench.scenarios import Scenario, to_toml
 from workbench.studs.schema import Examination, TableSchema, examined
 from workbench.study.store import locked, write_atomically
 from workbench.study.tables import for_spreadsheets
@@ -58,7 +61,8 @@ class Added:
 def add_table(
     path: Path,
     *,
-    mapping: Path | None = None,
+    mapping: Path | Mapping | None = None,
+    scenario: Scenario | None = None,
     kind: str | None = None,
     into: Path | None = None,
     name: str | None = None,
@@ -67,11 +71,12 @@ def add_table(
 ) -> Added:
     """Add a table of tests to the data of the user.
 
-    Arguments: `path` of the table and of its `mapping` file; `kind`, one of `KINDS`; `into`, the
-    folder (default: the one that the catalogue reads); `name` in the catalogue; `despite_doubts`,
-    take what looks absurd; `how` to read the table. Raises `InputError`, with nothing written.
+    Arguments: `path` of the table and of its `mapping` file, or what that says; the `scenario` that
+    the answer of another program is to; `kind`, one of `KINDS`; `into`, the folder (default: the
+    one that the catalogue reads); `name` in the catalogue; `despite_doubts`, take what looks
+    absurd; `how` to read the table. Raises `InputError`, with nothing written.
     """
-    statements = Mapping() if mapping is None else read_mapping(mapping)
+    statements = read_mapping(mapping) if isinstance(mapping, Path) else mapping or Mapping()
     folder = own_data_directory() if into is None else into
     if folder.resolve().is_relative_to(data_directory().resolve()):
         text = "holds the data that come with the workbench, which are read only"
@@ -80,12 +85,17 @@ def add_table(
     cells = read_cells(path, lambda name: name in mapped or names_column(name), how)
     fixed = (*(statements.columns or {}).values(), *(statements.constants or {}))
     which = kind_of([*cells.header, *fixed], kind or statements.kind)
+    if which == ANSWERS and scenario is None:
+        raise InputError(path.name, None, "answers no scenario", "see workbench data add-answer")
     converted = convert(cells, KINDS[which].table, statements, _common(statements, KINDS[which]))
     found = _examined(converted, KINDS[which].table)
     rows, notes = found.accept(), (*converted.notes, *found.notes[len(cells.notes) :])
     entry = _entry(path, which, statements, rows, notes)
     entry = replace(entry, name=_name(name or statements.name, path), folder=str(folder))
     entry = replace(entry, file=f"{entry.name}.csv")
+    if scenario is not None:
+        entry = replace(entry, asked=tomllib.loads(to_toml(scenario)))
+        held(entry, rows)
     if entry.role == SYNTHETIC:  # every output shows the name of the campaign
         campaigns = rows["campaign"].str.removeprefix(_MARK).str.strip()
         rows = rows.assign(campaign=_MARK + " " + campaigns)
@@ -142,7 +152,7 @@ def _entry(
     stated = {"source": kind.source} | {name: name for name in _PROVENANCE}
     fields: dict[str, Any] = {name: getattr(statements, name) for name in stated}
     for name, column in stated.items():
-        if fields[name] is None:
+        if fields[name] is None and which != ANSWERS:
             values = list(dict.fromkeys(rows[column])) if column in rows else []
             values = [value for value in values if value not in ("", None)]
             if not values or (rows[column] == "").any():
@@ -155,7 +165,7 @@ def _entry(
     for column in {kind.source, "licence"} & set(rows):
         for line, text in enumerate(rows[column], start=1):
             check_stated(f"{path.name}, row {line}, column {column}", text)
-    campaigns = ", ".join(dict.fromkeys(rows["campaign"]))
+    campaigns = ", ".join(dict.fromkeys(rows.get("campaign", ())))
     words = " ".join(which.replace("-", " ").split())
     meanings = {column.name: column.meaning for column in kind.table.columns}
     digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
@@ -172,7 +182,7 @@ def _entry(
         units="as the column names say; empty cells mean not reported",
         key=statements.key or "",
         kind=which,
-        year=str(fields["year"]),
+        year=str(fields["year"] or ""),
         made="; ".join([made, *notes])[:2000],
     )
 
@@ -202,14 +212,16 @@ def _judged(
     others = {other.name: other for other in beside}
     alike = [other for other in others.values() if other.kind == entry.kind]
     for other in alike:
-        if other.path.is_file() and other.path.read_bytes() == content:
+        same = other.path.is_file() and other.path.read_bytes() == content
+        if same and other.asked == entry.asked and (not entry.asked or other.title == entry.title):
             return other, ()
+        check_new(entry, other)
     if entry.name in others:
         text = "is the name of another table of the catalogue"
         advice = "choose one with --name, or remove the old entry and its file"
         raise InputError("--name", entry.name, text, advice)
     doubts = [finding.text for finding in kind.suspicions(rows)]
-    for other in alike:
+    for other in alike if entry.asked is None else ():
         old, mark = rows_of(other), f"{other.name}: "
         both = pd.concat([old.assign(campaign=mark + old["campaign"]), rows])
         doubts += (

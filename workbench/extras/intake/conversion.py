@@ -259,10 +259,11 @@ UNITS: dict[str, dict[str, float]] = {
     },
     "mass": {"kg": 1.0, "g": 1e-3, "t": 1e3, "lb": _POUND},
     "velocity": {
-        **{"m/s": 1.0, "mm/s": 1e-3, "km/h": 1.0 / 3.6},
+        **{"m/s": 1.0, "mm/s": 1e-3, "mm/ms": 1.0, "km/h": 1.0 / 3.6},
         **{"ft/s": 12.0 * _INCH, "mph": 0.44704},
     },
-    "time": {"s": 1.0, "ms": 1e-3},
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6},
+    "energy": {"J": 1.0, "kJ": 1e3, "MJ": 1e6, "N m": 1.0, "kN m": 1e3, "N mm": 1e-3, "kN mm": 1.0},
     "density": {"kg/m3": 1.0, "g/cm3": 1e3, "lb/ft3": _POUND / (12.0 * _INCH) ** 3},
 }
 _SPELLED = {

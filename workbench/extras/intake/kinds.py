@@ -6,10 +6,18 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from workbench.base.catalogue import IMPACT_TESTS, STUD_POINTS, STUD_TESTS, Dataset, datasets
+from workbench.base.catalogue import (
+    ANSWERS,
+    IMPACT_TESTS,
+    STUD_POINTS,
+    STUD_TESTS,
+    Dataset,
+    datasets,
+)
 from workbench.base.errors import InputError
 from workbench.base.fields import Choice, did_you_mean
 from workbench.base.tables import FOUND_OUT, Reading, read_cells
+from workbench.extras.intake.answers import NOT_KNOWN, SERIES, held
 from workbench.extras.intake.conversion import convert, find
 from workbench.extras.intake.impact_tests import IMPACTS
 from workbench.extras.intake.impact_tests import plausibility as of_impacts
@@ -36,6 +44,7 @@ class Kind(NamedTuple):
     fit: str = ""
 
 
+_RUN = "workbench run STUDY && workbench report STUDY"
 KINDS = {
     IMPACT_TESTS: Kind(
         IMPACTS,
@@ -64,6 +73,7 @@ KINDS = {
         "",
         "workbench fit load-slip {path}",
     ),
+    ANSWERS: Kind(SERIES, "source", lambda rows: [], lambda rows: [], NOT_KNOWN, _RUN),
 }
 
 
@@ -118,7 +128,9 @@ def problems_of_own() -> list[str]:
         if entry.kind not in KINDS or entry.name in SHIPPED:
             continue
         try:
-            rows_of(entry)
+            rows = rows_of(entry)
+            if entry.kind == ANSWERS:
+                held(entry, rows)
         except InputError as error:
             problems.append(f"dataset {entry.name}: {error}")
     return problems

@@ -11,7 +11,7 @@ from workbench.report.page.page import Page
 from workbench.responses import PEAK, RESIDUAL, ExpectedError
 from workbench.study.assessor import ERROR, Assessment
 from workbench.study.chooser import CORRECTED, SURE
-from workbench.study.definition import Study
+from workbench.study.definition import Study, holds_data
 from workbench.study.error_model.error_model import BEYOND
 from workbench.study.error_model.error_table import ANCHOR, command_of
 
@@ -106,10 +106,11 @@ def _ranked(study: Study, stored: Assessment, group: str) -> dict[str, Row]:
     Inside their domain before others; by whole percents, then by what remains and by the time.
     """
     costs = stored.costs
+    no_models = {*study.ranked, *(n for n, model in study.models.items() if holds_data(model))}
     rows = {
         row["label"]: row
         for row in stored.records("matrix", group=group)
-        if row["label"] not in study.ranked
+        if row["label"] not in no_models
         and row[f"{PEAK}_count"]
         and row[f"{PEAK}_count"] + row["collapsed"] == row["asked"]
         and not any(row[name] for name in ("false_alarm", "false_safe", "synthetic"))

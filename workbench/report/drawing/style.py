@@ -15,6 +15,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from workbench.base.catalogue import IMPORTED
 from workbench.study.definition import Study, holds_data
 
 Style = dict[str, Any]
@@ -29,6 +30,7 @@ WARNING = "#a04000"
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#5e3c99", "#8c510a")
 _LINES = ("-", "--", "-.", (0, (1, 1.2)))
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "h")
+_IMPORTED = "#b2182b"  # of answers of other programs, which no model has
 _STEPS = ("#4d4d4d", "#808080", "#a6a6a6", "#bfbfbf")
 # the interval that its refinement leaves around the reference
 INTERVAL: Style = {"color": "#56b4e9", "alpha": 0.35, "linewidth": 0.0}
@@ -101,6 +103,9 @@ def looks(study: Study) -> Mapping[str, Look]:
         look = chosen.get(partner.get(label, "")) or next(free)
         marker = _MARKERS[(3 + i) % len(_MARKERS)]
         chosen[label] = look._replace(line=":", marker=marker, filled=False, width=1.1, order=4.0)
+        if whole.models[label].name == IMPORTED:  # a history, as others have
+            line = _LINES[1 + i % 3]
+            chosen[label] = chosen[label]._replace(color=_IMPORTED, line=line, width=1.5)
     return {label: chosen[label] for label in study.models}
 
 

@@ -109,12 +109,14 @@ def _names(
     clusters: dict[str, tuple[str, ...]],
     unit: float,
 ) -> None:
-    """Names beside the points of the first case: of labels above, upright; of clusters below."""
-    (top, bottom), slot = sheet.panels, table["slot"].min()
-    rows = table[table["slot"] == slot].set_index("label")
-    place = {n: slot + _ROOM * ((i + 0.5) / len(labels) - 0.5) for i, n in enumerate(labels)}
-    for label in (label for label in labels if label in rows.index):
-        at = place[label], unit * rows.loc[label].iloc[1]
+    """Names beside the first points: of labels above, upright; of clusters below."""
+    (top, bottom), every = sheet.panels, table.drop_duplicates("label").set_index("label")
+    rows = every[every["slot"] == every["slot"].min()]
+    place = every["slot"].reindex(labels) + _ROOM * (
+        np.arange(0.5, len(labels)) / len(labels) - 0.5
+    )
+    for label in labels:
+        at = place[label], unit * every.loc[label].iloc[1]
         upright: Style = {"rotation": 90, "va": "bottom", "ha": "center", "fontsize": 6.5}
         top.annotate(label, at, (0, 6), textcoords="offset points", **upright)
     for name, members in clusters.items():
