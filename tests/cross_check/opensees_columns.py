@@ -17,7 +17,7 @@ from workbench.steel.sections.slenderness import torsion_constants
 
 ops = pytest.importorskip(
     "openseespy.opensees",
-    reason="OpenSeesPy is not installed: pip install 'steel-impact-workbench[cross-check]'",
+    reason="OpenSeesPy is not installed: pip install 'steel-impact-workbench[opensees]'",
     exc_type=ImportError,
 )
 STRIKE, AXIS, TURN = 1, 2, 3

@@ -65,7 +65,7 @@ WILD: list[Any] = [
 ]
 MESH = {"smallest_element": 0.2, "largest_element": 0.4, "levels": 1}
 REFERENCES = "workbench.models.references"
-LOOKED_UP = ("measured", "published", "imported", "remote")  # models that solve nothing
+LOOKED_UP = ("measured", "published", "imported", "remote", "opensees")  # solve nothing
 ANSWER = "answer.nc"
 SOLVED = ("ok", "collapse", "not-converged", "timed-out")
 FITS = {  # verbs by the shipped table that feeds them

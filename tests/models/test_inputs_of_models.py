@@ -140,7 +140,7 @@ SPECIAL = {  # scenarios of models that refuse the usual one, or are not moved e
     ),
 }
 SLOW = ("solid-plane-stress", "shell", "modified-tangent-modulus")
-NO_STRUCTURE = ("stud-", "impact-", "published", "measured", "imported", "remote")  # or data
+NO_STRUCTURE = ("stud-", "impact-", *("published", "measured", "imported", "remote", "opensees"))
 
 MODELS = [name for name in model_names() if not name.startswith(NO_STRUCTURE)]
 

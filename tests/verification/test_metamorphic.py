@@ -28,7 +28,7 @@ from workbench.scenarios import (
 from workbench.steel.sections import Section, square
 
 # answer what is printed, or what a server says
-READ = ("published", "measured", "imported", "remote")
+READ = ("published", "measured", "imported", "remote", "opensees")
 ROUNDING = 1e-6
 DURATION = {"soft-impact": 0.4}  # s, of records: a soft striker pushes for long
 # a mesh follows the parts of a member, and so do bars and lumped masses of models with few elements

@@ -10,6 +10,7 @@ largest one between them. A column is meshed as the frame of its two members.
 """
 
 from abc import abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, inf
@@ -68,6 +69,9 @@ MIDDLE = 0.5 + 1e-9  # of a member, seen from its start
 LARGEST_EXCESS = 0.025  # of the resistance, by sampling plasticity inside the member
 ENVELOPE = 181  # points of the exact interaction curve
 STIFF = 1e3  # stiffness of a rigid joint of limited strength over that of its member
+
+
+JointLaw = tuple[float, float, float]  # stiffness, strengths either way
 
 
 class MeshRule(NamedTuple):
@@ -333,15 +337,12 @@ def drawn_points(mesh: FrameMesh) -> tuple[Indices, Indices, Array]:
     return start, end, share
 
 
-def joint_springs(frame: Frame, mesh: FrameMesh) -> JointSprings | None:
-    """Rotational springs between members and their nodes; None where no joint turns.
+def joint_laws(frame: Frame, mesh: FrameMesh) -> Iterator[tuple[tuple[int, int], JointLaw]]:
+    """Nodes and laws of the rotational springs between members and their nodes.
 
     A rigid joint of limited strength gets `STIFF` times 4 EI/L of its member. Bounds that a joint
     does not give are those of the member, whose fibers yield by themselves.
     """
-    if not mesh.joints:
-        return None
-    pairs, springs = [], []
     for index, at_start, master, slave in mesh.joints:
         member = frame.members[index]
         joint = frame.joints_of(member)[not at_start]
@@ -349,10 +350,14 @@ def joint_springs(frame: Frame, mesh: FrameMesh) -> JointSprings | None:
         if stiffness is None:
             bending = frame.steel.elastic_modulus * frame.properties(member).second_moment
             stiffness = STIFF * 4.0 * bending / frame.length(member)
-        positive, negative = joint.plastic_moment, joint.plastic_moment_negative
-        springs.append((stiffness, positive or inf, negative or inf))
-        pairs.append((master, slave) if at_start else (slave, master))
-    return JointSprings(pairs, springs)
+        bounds = joint.plastic_moment or inf, joint.plastic_moment_negative or inf
+        yield (master, slave) if at_start else (slave, master), (stiffness, *bounds)
+
+
+def joint_springs(frame: Frame, mesh: FrameMesh) -> JointSprings | None:
+    """Rotational springs between members and their nodes; None where no joint turns."""
+    springs = list(joint_laws(frame, mesh))
+    return JointSprings(*zip(*springs, strict=True)) if springs else None
 
 
 PEAK_STEPS = 130.0  # time steps up to the expected peak, at least

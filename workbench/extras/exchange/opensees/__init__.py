@@ -1,0 +1,1 @@
+"""OpenSees: a model that runs it, and scripts for it."""

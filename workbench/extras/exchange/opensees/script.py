@@ -1,0 +1,87 @@
+"""Script for OpenSees: a scenario as commands that anyone can run, read and change.
+
+It holds the text of `driver` and needs openseespy alone; its peak is that of the model `opensees`
+on one mesh.
+"""
+
+import inspect
+from pathlib import Path
+from typing import Any
+
+from workbench.base.errors import InputError
+from workbench.extras.exchange.opensees import driver
+from workbench.extras.exchange.opensees.deck import Commands
+from workbench.extras.exchange.opensees.model import PROGRAM, OpenSees, striker_of
+from workbench.models.base import findings_before, options_of
+from workbench.models.strain_rate import with_strain_rate
+from workbench.responses.build import refusal_message
+from workbench.scenarios import Scenario, canonical
+from workbench.study.store import write_atomically
+
+HEAD = '''"""{name}, for OpenSees.
+
+Options of the model `opensees` of the workbench: {options}
+Yield stress times {factor:.6g} for strain rate. SI units: m, N, kg, s.
+Run it: python {file} [history.csv]
+
+{scenario}"""
+
+import sys
+
+import openseespy.opensees as ops
+'''
+TAIL = """
+strike = Strike(ops, {strike})
+rows = [(0.0, 0.0, 0.0, 0.0)]
+for at in strike.follow({spans}):
+    rows.append((at.time, at.moved, at.speed, at.impulse))
+peak = max(rows, key=lambda row: abs(row[1]))
+print(f"peak displacement {{peak[1]:.9g}} m at {{peak[0]:.6g}} s")
+if len(sys.argv) > 1:
+    with open(sys.argv[1], "w") as file:
+        file.write("time_s,displacement_m,velocity_m_per_s,impulse_N_s\\n")
+        file.writelines(",".join(map(repr, row)) + "\\n" for row in rows)
+"""
+
+
+def write_script(path: Path, scenario: Scenario, model: OpenSees | None = None) -> None:
+    """Write the script of a scenario and of a model with its options (None: the defaults).
+
+    Raises `InputError` for a scenario that the model refuses and a file that cannot be written.
+    """
+    write_atomically(path, script_of(scenario, model or OpenSees(), path.name).encode())
+
+
+def script_of(scenario: Any, model: OpenSees, file: str = "column.py") -> str:
+    """Text of the script, to be kept as `file`. Raises `InputError` for what the model refuses."""
+    if scenario.KIND not in model.answers:
+        allowed = f"must be one of {', '.join(model.answers)} for OpenSees"
+        raise InputError("kind", scenario.KIND, allowed)
+    solved, factor, left_out = with_strain_rate(model, scenario)
+    findings = findings_before(model, scenario, left_out)
+    refusals = [f for f in findings if f.refusal and f.subject != PROGRAM]  # it is not run here
+    if refusals:
+        raise InputError("scenario", scenario.name, refusal_message(refusals))
+    structure, deck, event, spans = model.deck(solved)
+    options = ", ".join(f"{name} = {value}" for name, value in options_of(model).items())
+    given = {"options": options, "factor": factor, "scenario": canonical(scenario)[0]}
+    program = inspect.getsource(driver).partition('"""')[2].partition('"""')
+    lines = [
+        HEAD.format(name=scenario.name, file=file, **given),
+        *(f"# {line}".rstrip() for line in program[0].strip().splitlines()),
+        program[2],
+        *_lines(deck.standing),
+        *(["", "stand(ops)"] if deck.loaded else []),
+        *_lines(deck.after),
+    ]
+    strike = ", ".join(map(repr, (*deck.watched, *striker_of(structure, event))))
+    return "\n".join(lines) + "\n" + TAIL.format(strike=strike, spans=spans)
+
+
+def _lines(parts: list[Commands]) -> list[str]:
+    """The commands of a deck as statements."""
+    rows = []
+    for title, commands in parts:
+        rows += ["", f"# {title}"]
+        rows += [f"ops.{name}({', '.join(map(repr, given))})" for name, *given in commands]
+    return rows
