@@ -146,6 +146,7 @@ def prepare(folder: Path, page: str, capsys: pytest.CaptureFixture[str]) -> None
         (folder / name).write_text(capsys.readouterr().out, encoding="utf-8")
     starts = {"Test No.": "doe1999.csv", 'title = "Push': "mapping.toml"}
     starts |= {'kind = "impact-problem"': "ball.toml", "campaign,specimen,section": "tests.csv"}
+    starts |= {"case,outcome,": "answers.csv"}
     starts |= {"time_ms,": "result.csv", 'kind = "column-impact"': "column.toml"}
     for block in blocks_of(page):
         for start, name in starts.items():
