@@ -152,7 +152,8 @@ def test_the_contract_of_models() -> None:
 )
 def test_a_script_is_the_model(scenario, tmp_path) -> None:
     model, path = OpenSees(levels=1), tmp_path / "my column.py"
-    write_script(path, scenario, model)
+    then, _ = write_script(scenario, path, levels=1)
+    assert then.endswith("run python my column.py")
     command = [sys.executable, path.name, "history.csv"]
     run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
     told = float(re.search(r"peak displacement (\S+) m", run.stdout).group(1))
@@ -163,7 +164,8 @@ def test_a_script_is_the_model(scenario, tmp_path) -> None:
 
 
 def test_a_script_needs_no_workbench() -> None:
-    text = script_of(HIT, OpenSees())
+    text, warned = script_of(HIT, OpenSees())
+    assert [each.subject for each in warned] == ["shear"]
     compile(text, "column.py", "exec")
     assert set(re.findall(r"^(?:import|from) (\w+)", text, re.M)) <= {
         *("sys", "openseespy", "collections", "math", "typing")

@@ -12,10 +12,11 @@ from workbench.base.errors import InputError
 from workbench.extras.exchange.opensees import driver
 from workbench.extras.exchange.opensees.deck import Commands
 from workbench.extras.exchange.opensees.model import PROGRAM, OpenSees, striker_of
-from workbench.models.base import findings_before, options_of
+from workbench.models.base import findings_before, options_of, with_options
 from workbench.models.strain_rate import with_strain_rate
+from workbench.responses import Finding
 from workbench.responses.build import refusal_message
-from workbench.scenarios import Scenario, canonical
+from workbench.scenarios import canonical
 from workbench.study.store import write_atomically
 
 HEAD = '''"""{name}, for OpenSees.
@@ -44,16 +45,22 @@ if len(sys.argv) > 1:
 """
 
 
-def write_script(path: Path, scenario: Scenario, model: OpenSees | None = None) -> None:
-    """Write the script of a scenario and of a model with its options (None: the defaults).
+def write_script(scenario: Any, target: Path, **options: Any) -> tuple[str, list[Finding]]:
+    """Write the script of a scenario into the `target`; `options` of the model by name.
 
-    Raises `InputError` for a scenario that the model refuses and a file that cannot be written.
+    Returns how to go on and the warnings of the model. Raises `InputError` for a scenario that it
+    refuses, an option that there is not and a file that cannot be written.
     """
-    write_atomically(path, script_of(scenario, model or OpenSees(), path.name).encode())
+    model: OpenSees = with_options(OpenSees, options)
+    text, findings = script_of(scenario, model, target.name)
+    write_atomically(target, text.encode())
+    return f"script of {text.count('ops.element(')} elements; run python {target.name}", findings
 
 
-def script_of(scenario: Any, model: OpenSees, file: str = "column.py") -> str:
-    """Text of the script, to be kept as `file`. Raises `InputError` for what the model refuses."""
+def script_of(
+    scenario: Any, model: OpenSees, file: str = "column.py"
+) -> tuple[str, list[Finding]]:
+    """Text of the script, to be kept as `file`, and warnings. Raises `InputError` as above."""
     if scenario.KIND not in model.answers:
         allowed = f"must be one of {', '.join(model.answers)} for OpenSees"
         raise InputError("kind", scenario.KIND, allowed)
@@ -75,7 +82,8 @@ def script_of(scenario: Any, model: OpenSees, file: str = "column.py") -> str:
         *_lines(deck.after),
     ]
     strike = ", ".join(map(repr, (*deck.watched, *striker_of(structure, event))))
-    return "\n".join(lines) + "\n" + TAIL.format(strike=strike, spans=spans)
+    warned = [each for each in findings if not each.refusal]
+    return "\n".join(lines) + "\n" + TAIL.format(strike=strike, spans=spans), warned
 
 
 def _lines(parts: list[Commands]) -> list[str]:
