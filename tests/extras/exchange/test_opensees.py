@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import subprocess
 import sys
@@ -175,6 +176,13 @@ def test_a_script_needs_no_workbench() -> None:
     assert told == pytest.approx(COLUMN.properties.mass_per_length * COLUMN.length)
     areas = [float(a) for a in re.findall(r"^ops\.fiber\(\S+, 0\.0, (\S+), 1\)", text, re.M)]
     assert sum(areas) == pytest.approx(2 * COLUMN.strength_section.area, rel=1e-9)  # two members
+
+
+def test_a_name_is_no_code() -> None:
+    hostile = '"""\'\'\'); import os; os.system("rm x") #'
+    text, _ = script_of(replace(HIT, name=hostile), OpenSees(), "x.py")
+    tree = ast.parse(text)
+    assert not [n for n in ast.walk(tree) if isinstance(n, ast.Attribute) and n.attr == "system"]
 
 
 def test_scenarios_that_it_is_not_told() -> None:

@@ -1,1 +1,1 @@
-"""Exchange with other programs: VTU, RO-Crate, servers of UM-Bridge."""
+"""Exchange with other programs: VTU, RO-Crate, decks of CalculiX and Abaqus, UM-Bridge."""

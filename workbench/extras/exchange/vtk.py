@@ -1,6 +1,7 @@
 """Deformed shapes of a response for ParaView: VTU for each snapshot, PVD for their times."""
 
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from workbench.base.arrays import Array
 from workbench.base.errors import InputError
 from workbench.report.drawing.shapes import Shapes, shapes_of
-from workbench.responses import Response
+from workbench.responses import Finding, Response, warnings_of
 from workbench.scenarios import Scenario
 from workbench.study.store import write_atomically
 
@@ -40,6 +41,19 @@ def write_shapes(path: Path, scenario: Scenario, response: Response) -> None:
         place = {"timestep": repr(float(at)), "part": "0", "file": f"{folder.name}/{name}"}
         ElementTree.SubElement(collection, "DataSet", place)
     write_atomically(path, _bytes(root))
+
+
+def write_answer(scenario: Scenario, target: Path, **options: Any) -> tuple[str, list[Finding]]:
+    """Answer a scenario, by the model that `workbench advise` names, and write its shapes.
+
+    Gives a sentence on what was written, and the warnings of the answer. Raises `InputError`.
+    """
+    from workbench.api.answers import simulate
+
+    response = simulate(scenario, **options)
+    write_shapes(target, scenario, response)
+    then = f"answer of {response.attrs['model']}; open it in ParaView, Warp By Vector moves it"
+    return then, warnings_of(response)
 
 
 def _vtu(shapes: Shapes, snapshot: int) -> bytes:

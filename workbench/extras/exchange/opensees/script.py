@@ -19,18 +19,18 @@ from workbench.responses.build import refusal_message
 from workbench.scenarios import canonical
 from workbench.study.store import write_atomically
 
-HEAD = '''"""{name}, for OpenSees.
+HEAD = """{name}, for OpenSees.
 
 Options of the model `opensees` of the workbench: {options}
 Yield stress times {factor:.6g} for strain rate. SI units: m, N, kg, s.
 Run it: python {file} [history.csv]
 
 {scenario}"""
-
+IMPORTS = """
 import sys
 
 import openseespy.opensees as ops
-'''
+"""
 TAIL = """
 strike = Strike(ops, {strike})
 rows = [(0.0, 0.0, 0.0, 0.0)]
@@ -57,9 +57,7 @@ def write_script(scenario: Any, target: Path, **options: Any) -> tuple[str, list
     return f"script of {text.count('ops.element(')} elements; run python {target.name}", findings
 
 
-def script_of(
-    scenario: Any, model: OpenSees, file: str = "column.py"
-) -> tuple[str, list[Finding]]:
+def script_of(scenario: Any, model: OpenSees, file: str = "column.py") -> tuple[str, list[Finding]]:
     """Text of the script, to be kept as `file`, and warnings. Raises `InputError` as above."""
     if scenario.KIND not in model.answers:
         allowed = f"must be one of {', '.join(model.answers)} for OpenSees"
@@ -74,8 +72,9 @@ def script_of(
     given = {"options": options, "factor": factor, "scenario": canonical(scenario)[0]}
     program = inspect.getsource(driver).partition('"""')[2].partition('"""')
     lines = [
-        HEAD.format(name=scenario.name, file=file, **given),
-        *(f"# {line}".rstrip() for line in program[0].strip().splitlines()),
+        _said(HEAD.format(name=scenario.name, file=file, **given)),
+        IMPORTS,
+        _said(program[0]),
         program[2],
         *_lines(deck.standing),
         *(["", "stand(ops)"] if deck.loaded else []),
@@ -84,6 +83,11 @@ def script_of(
     strike = ", ".join(map(repr, (*deck.watched, *striker_of(structure, event))))
     warned = [each for each in findings if not each.refusal]
     return "\n".join(lines) + "\n" + TAIL.format(strike=strike, spans=spans), warned
+
+
+def _said(text: str) -> str:
+    """A text as comments: names are a user's, and no code."""
+    return "\n".join(f"# {line}".rstrip() for line in text.strip().splitlines())
 
 
 def _lines(parts: list[Commands]) -> list[str]:
