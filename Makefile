@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 JOBS ?= $(shell $(PYTHON) -c "import os; print(os.cpu_count() or 1)")
 
-.PHONY: report quick test thorough lint docs summary sweep frames benchmarks lock clean
+.PHONY: report quick test thorough cross-check lint docs summary sweep frames benchmarks lock clean
 
 report: .venv/ready
 	$(BIN)/workbench run thesis_column --jobs $(JOBS)
@@ -19,6 +19,11 @@ test: .venv/ready
 
 thorough: .venv/ready
 	$(BIN)/python -m pytest -q -n $(JOBS) -m thorough
+
+# Other programs beside ours: OpenSees under its own licence, and CalculiX where ccx is installed.
+cross-check: .venv/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check openseespy
+	$(BIN)/python -m pytest -q -n $(JOBS) tests/cross_check tests/extras/exchange
 
 lint: .venv/ready
 	$(BIN)/ruff check .
