@@ -199,6 +199,19 @@ def test_scenarios_that_it_is_not_told() -> None:
         script_of(replace(OBLIQUE, column=ends), OpenSees())
 
 
+@pytest.mark.parametrize(
+    ("element", "option"),
+    [
+        ("hinges", {"points": 5}),
+        ("force-based", {"hinge_length": 0.5}),
+        ("hinges", {"smallest_element": 0.1}),
+    ],
+)
+def test_options_of_other_elements_are_refused(element, option) -> None:
+    with pytest.raises(InputError, match="is an option of element = "):
+        OpenSees(element, **option)
+
+
 def test_without_the_program(monkeypatch) -> None:
     monkeypatch.setattr(opensees, "find_spec", lambda _name: None)
     response = OpenSees().simulate(HIT)

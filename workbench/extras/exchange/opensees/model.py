@@ -67,6 +67,12 @@ from workbench.scenarios.frame_events import facing
 
 PACKAGE = "openseespy"
 PROGRAM = "program"  # subject of the refusal where it is not installed
+ELEMENTS = {  # that have an option
+    "points": (FORCE_BASED,),
+    "hinge_length": (HINGES,),
+    "smallest_element": (FORCE_BASED, DISPLACEMENT_BASED),
+    "largest_element": (FORCE_BASED, DISPLACEMENT_BASED),
+}
 OPEN = 0.02  # of the energy brought in, that a run may lose to its steps without a warning
 PICTURES = 60  # deformed shapes over the record, and one of the peak
 DEPTHS = 2.0  # length of a force-based element; shorter ones lose their strength where hinges form
@@ -89,11 +95,15 @@ class OpenSees(Declared, table="option"):
         help="force-based: Lobatto points; displacement-based: two Legendre points; hinges: "
         "beamWithHinges, fiber hinges under Gauss-Radau integration about an elastic member",
     )
-    points: int = checked(
-        Number(2, 10, integer=True), 3, help="of a force-based element; practice has one of 5"
+    points: int | None = checked(
+        Number(2, 10, integer=True),
+        optional=True,
+        help="of a force-based element (None: 3; practice has one element of 5)",
     )
-    hinge_length: float = checked(
-        Number(0.05, 5.0), 1.0, help="over the depth, at most 1/8 of the member; of hinges alone"
+    hinge_length: float | None = checked(
+        Number(0.05, 5.0),
+        optional=True,
+        help="of hinges over the depth, at most 1/8 of the member (None: 1)",
     )
     hardening_ratio: float | None = checked(
         Number(1e-9, 0.1),
@@ -133,8 +143,12 @@ class OpenSees(Declared, table="option"):
     )
 
     def check(self) -> None:
-        """Refuse levels that do not fit."""
+        """Refuse levels that do not fit, and options of other elements."""
         check_levels(self.refinement, self.levels)
+        for option, elements in ELEMENTS.items():
+            if getattr(self, option) is not None and self.element not in elements:
+                text = f"is an option of element = {' or '.join(elements)}"
+                raise self.refusal(option, text, "leave it out")
 
     def domain(self, scenario: Any) -> list[Finding]:
         """Findings of fiber beams in the plane or in space; what OpenSees is not told."""
@@ -204,7 +218,9 @@ class OpenSees(Declared, table="option"):
             assembly = PlanarAssembly(mesh.coordinates, [beams], ties=mesh.ties)
         structure = _loaded(frame, mesh, beams, assembly)
         hardening = self.hardening_ratio or LEAST_HARDENING[self.element]
-        form = Form(self.element, self.layers, self.points, self.hinge_length, hardening)
+        form = Form(
+            self.element, self.layers, self.points or 3, self.hinge_length or 1.0, hardening
+        )
         deck = deck_of(structure, mesh, heights, form)
         return (as_column(structure) if column else structure), deck, event, twin.time_spans(event)
 
