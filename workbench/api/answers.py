@@ -118,7 +118,7 @@ def impact(
     return ColumnImpact(name, structure, Striker(*numbers), duration)  # type: ignore[arg-type]
 
 
-def asked(model: Model | str, **options: Any) -> Model:
+def asked(model: Model | str, /, **options: Any) -> Model:
     """A model by its name and options; one that is made already passes through.
 
     Raises `InputError` for unknown names and options.

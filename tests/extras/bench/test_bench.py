@@ -302,18 +302,27 @@ def test_errors_of_sealed_cases_are_not_told(bench: Path) -> None:
     assert set(pd.read_csv(bench / "all" / "cases.csv")["case"]) == {"a", "c"}
 
 
+def test_a_submission_is_not_called_like_a_model(bench, capsys) -> None:
+    (bench / "mine.csv").write_text(f"case,outcome\n{next(iter(TRUTHS))},refused\n")
+    for name in ("Biggs", "hand-estimate", "flexible superelements"):
+        command = ["bench", "submit", "mine.csv", "--name", name, "--contact", "jane@example.org"]
+        assert run(command) == 2
+        assert "is a model of the workbench" in capsys.readouterr().err
+
+
 def test_models_answer_in_the_form_that_anyone_submits(
     bench: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     command = ["bench", "run", "--model", "4-DOF", "--model", "column-of-frame", "--jobs", "1"]
     assert run([*command, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["outcomes"] == {"ok": 4, "refused": 4}
-    rows = read_answers(bench / "answers.csv", TRUTHS)
+    written = bench / "reports" / "bench-answers.csv"
+    rows = read_answers(written, TRUTHS)
     alone = wb.make_model("four-dof").simulate(load_bench()[0].scenario)
     assert rows.loc[0, PEAK] == pytest.approx(float(alone["peak_displacement"]), rel=1e-5)
-    assert answer_bytes(rows) == (bench / "answers.csv").read_bytes()
-    assert run(["bench", "report", "--no-own", "--answers", "answers.csv"]) == 0
-    assert "answers: 4-DOF" in capsys.readouterr().out
+    assert answer_bytes(rows) == written.read_bytes()
+    assert run(["bench", "report", "--no-own", "--answers", str(written)]) == 0
+    assert "bench-answers: 4-DOF" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -211,10 +211,10 @@ def test_the_verb_writes_a_deck_and_says_how_to_run_it(tmp_path, capsys, monkeyp
     arguments = ["export", "hit.toml", "--mesh", "shells", "--set", "steel.rate=S355", "--json"]
     assert run([*arguments, "--to", "abaqus"]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert told["file"] == "hit.inp"
-    assert told["then"] == "384 elements S8R; run abaqus job=hit"
+    assert told["file"] == "hit-abaqus.inp"
+    assert told["then"] == "384 elements S8R; run abaqus job=hit-abaqus"
     assert told["warnings"] == []
-    text = Path("hit.inp").read_text(encoding="utf-8")
+    text = Path("hit-abaqus.inp").read_text(encoding="utf-8")
     assert below(text, "*RATE DEPENDENT") == [[500.0, 5.0]]
     assert "*CONTROLS" not in text
     assert "ELSET=CONTACT, NONLINEAR\n\n" in text  # a spring without a dof begins with no line

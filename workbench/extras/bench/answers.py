@@ -91,14 +91,16 @@ def answer_bytes(rows: pd.DataFrame) -> bytes:
 
 
 def submit(
-    path: Path, name: str, contact: str, cases: Collection[str]
+    path: Path, name: str, contact: str, cases: Collection[str], taken: Collection[str] = ()
 ) -> tuple[Path, pd.DataFrame]:
     """Keep answers under a name: the folder that holds them, and their rows.
 
     Raises `InputError`, with nothing written, for a file that is not in order and for a name that
-    is taken.
+    is `taken`, by a model of the workbench or before.
     """
     about = {"name": named("--name", name), "contact": named("--contact", contact)}
+    if name.lower() in map(str.lower, taken):
+        raise InputError("--name", name, "is a model of the workbench", "say who answers")
     rows = read_answers(path, cases, name)
     slug = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:60] or "submission"
     folder = own_data_directory() / FOLDER / slug

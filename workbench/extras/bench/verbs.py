@@ -43,7 +43,11 @@ def list_cases() -> Answer:
 def run(
     model: Names = option("One of the bench, or any registered one, once for each.", None),
     every: bool = option("Hinges and fibers of other authors too.", False, flag="--all"),
-    out: str = option("Answers, as anyone submits them.", "answers.csv", "FILE.csv"),
+    out: str | None = option(
+        "Answers, as anyone submits them.  [default: bench-answers.csv in the store]",
+        None,
+        "FILE.csv",
+    ),
     jobs: Jobs = None,
     store: str = option("Directory that holds the result stores.", "reports", "DIR"),
     as_json: Json = False,
@@ -59,7 +63,8 @@ def run(
     from workbench.study.runner import Progress, progress_for
     from workbench.study.store import write_atomically
 
-    target = writable("--out", out, "csv")
+    Path(store).mkdir(parents=True, exist_ok=True)
+    target = writable("--out", out or str(Path(store) / "bench-answers.csv"), "csv")
     models, workers = entrants(model or (), every), processes(jobs)
     progress = Progress() if as_json else progress_for(sys.stderr, os.environ)
     answers = run_bench(load_bench(), models, Path(store), workers, progress)
@@ -89,9 +94,14 @@ def submit(
     """
     from workbench.extras.bench.answers import submit as keep
     from workbench.extras.bench.cases import load_bench
+    from workbench.extras.bench.run import entrants
+    from workbench.models.base import model_names
 
-    names = [case.name for case in load_bench()]
-    folder, rows = keep(Path(answers), name, contact, names)
+    cases = load_bench()
+    names = [case.name for case in cases]
+    ours = [*entrants(every=True), *model_names()]
+    folder, rows = keep(Path(answers), name, contact, names, ours)
+    sealed = int(rows["case"].isin([each.name for each in cases if each.reference is None]).sum())
     counts = rows["model"].value_counts(sort=False)
     missing = {model: len(names) - number for model, number in counts.items()}
     blocks = [
@@ -100,6 +110,9 @@ def submit(
     for model, number in missing.items():
         text = f"{model}: {number} cases without an answer count as failed"
         blocks += [callout("doubt", text)] * bool(number)
+    if sealed:
+        text = f"{sealed} answers are to sealed cases, which only the organiser can judge"
+        blocks.append(callout("note", text))
     return Answer({"folder": str(folder), "answers": len(rows), "missing": missing}, blocks)
 
 

@@ -67,7 +67,9 @@ class Remote(Answering):
     """A server of UM-Bridge, to which some numbers of the scenario are sent."""
 
     url: str | None = checked(Text(500), optional=True, help="of the server, http://HOST:PORT")
-    model: str | None = checked(Text(), optional=True, help="there; needed if it has several")
+    served: str | None = checked(
+        Text(), optional=True, help="model there; needed if it has several"
+    )
     inputs: tuple[str, ...] = checked(_KEYS, ("striker.velocity",), help=f"keys sent, {_ORDER}")
     outputs: tuple[str, ...] = checked(_SCALARS, ("peak_displacement",), help=f"returned, {_ORDER}")
     config: str = checked(Text(2000), "{}", help="the server's own options, a JSON object")
@@ -119,8 +121,8 @@ class Remote(Answering):
         version, names = info.get("protocolVersion"), info.get("models")
         text = f"{self.url} speaks version {shown(version)} of UM-Bridge, not 1.0"
         need(version == 1.0 and isinstance(names, list), f"{text}: take another server")
-        there = names[0] if self.model is None and len(names) == 1 else self.model
-        text = f"option model = {self.model}: {self.url} has {shown(names)}; name one of them"
+        there = names[0] if self.served is None and len(names) == 1 else self.served
+        text = f"option served = {self.served}: {self.url} has {shown(names)}; name one of them"
         need(isinstance(there, str) and there in names, text, Outcome.INVALID_INPUT)
         told = ask("/ModelInfo", {"name": there})
         able = isinstance(told.get("support"), dict) and told["support"].get("Evaluate") is True

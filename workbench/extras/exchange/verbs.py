@@ -57,7 +57,7 @@ def export(
     scenario: ScenarioFile,
     to: str = option(f"{_LIST}.", metavar="|".join(FORMATS)),
     out: str | None = option(
-        "The file.  [default: that of the scenario, with the ending of the format]", None, "FILE"
+        "The file.  [default: named after the scenario and the format]", None, "FILE"
     ),
     mesh: str | None = option(
         "Elements of a deck: plane-stress, bricks or shells.  [default: plane-stress]", None, "MESH"
@@ -74,7 +74,7 @@ def export(
     from workbench.scenarios import load_scenario
 
     chosen = FORMATS[Choice(tuple(FORMATS)).check("--to", to)]
-    name = out or Path(scenario).with_suffix(f".{chosen.ending}").name
+    name = out or f"{Path(scenario).stem}-{to}.{chosen.ending}"
     target = writable("--out", name, chosen.ending, inputs=[scenario])
     values = pairs_of("--option", options, "refinement=1") | dict(chosen.options)
     if mesh is not None:

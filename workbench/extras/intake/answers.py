@@ -130,7 +130,7 @@ def held(entry: Dataset, rows: pd.DataFrame) -> Response | CollapseError:
         raise InputError(f"{place}, column time_s", float(time[i + 1]), allowed)
     fallen = [word for word in rows.get("collapse", ()) if word != STANDS]
     if fallen:
-        reached = float(displacement[np.argmax(np.abs(displacement))])
+        reached = float(displacement[-1])
         collapse = Collapse(Mechanism(fallen[0]), ("structure",), reached, float(time[-1]))
         return CollapseError(collapse, f"so ended the run of {entry.title}")
     if "force" in values:  # as impulses of steps, of which the rest follows as for our models

@@ -161,7 +161,7 @@ class Strike:
             raise UnsolvedError(f"energy has grown by {grown:.2g} at {self.time:.4g} s", grown)
         astray = max((each.astray() for each in self.elements), default=0.0) / self.given
         if astray > ASTRAY:
-            text = "sections have taken other work than their element"
+            text = "it has left the true path, sections have taken other work than their element"
             raise UnsolvedError(f"{text}, by {astray:.2g} at {self.time:.4g} s", astray)
 
     def _collide(self) -> None:

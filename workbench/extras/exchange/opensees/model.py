@@ -162,6 +162,8 @@ class OpenSees(Declared, table="option"):
             column = scenario.column.bent_about("strong")
             if column.ends_about("weak") != column.ends_about("strong"):
                 unknown.append("ends that differ about the two axes")
+        if self.element == HINGES:
+            findings.append(finding("hinge-length"))
         if unknown:
             findings.append(finding("not-told", name=self.name, unknown=", ".join(unknown)))
         return findings

@@ -32,15 +32,17 @@ import sys
 import openseespy.opensees as ops
 """
 TAIL = """
+if len(sys.argv) > 2 or sys.argv[-1].startswith("-"):
+    raise SystemExit(f"usage: python {{sys.argv[0]}} [history.csv]")
 strike = Strike(ops, {strike})
-rows = [(0.0, 0.0, 0.0, 0.0)]
+rows = [(0.0, 0.0, 0.0)]
 for at in strike.follow({spans}):
-    rows.append((at.time, at.moved, at.speed, at.impulse))
+    rows.append((at.time, at.moved, at.speed))
 peak = max(rows, key=lambda row: abs(row[1]))
 print(f"peak displacement {{peak[1]:.9g}} m at {{peak[0]:.6g}} s")
 if len(sys.argv) > 1:
     with open(sys.argv[1], "w") as file:
-        file.write("time_s,displacement_m,velocity_m_per_s,impulse_N_s\\n")
+        file.write("time_s,displacement_m,velocity_m_per_s\\n")
         file.writelines(",".join(map(repr, row)) + "\\n" for row in rows)
 """
 
