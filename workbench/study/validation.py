@@ -6,7 +6,7 @@ comparison, numerical and measurement, with its exact binomial interval.
 """
 
 from collections.abc import Iterator, Sequence
-from math import sqrt
+from math import nan, sqrt
 
 import pandas as pd
 
@@ -59,9 +59,11 @@ def _pair(answers: CaseAnswers, model: str, against: str, quantity: str) -> Row 
     measured = answers.responses[against]
     width = attribute(measured, DATA_WIDTHS)[quantity]
     row = {"campaign": attribute(measured, "data")["campaign"], "specimen": answers.case.name}
-    inputs = uncertainty_of(answers.responses[model], quantity, INPUT_WIDTHS) or 0.0
+    inputs: float | None = 0.0
+    if INPUT_WIDTHS in answers.responses[model].attrs:
+        inputs = uncertainty_of(answers.responses[model], quantity, INPUT_WIDTHS)
     row |= {"test": test, "prediction": prediction, "measurement": width / test}
-    row |= {"inputs": inputs / prediction}
+    row |= {"inputs": nan if inputs is None else inputs / prediction}
     return {**row, "error": compared.error, "uncertainty": compared.uncertainty}
 
 

@@ -199,6 +199,52 @@ def test_scenarios_that_it_is_not_told() -> None:
         script_of(replace(OBLIQUE, column=ends), OpenSees())
 
 
+@pytest.mark.parametrize("element", FORMS)
+@pytest.mark.parametrize("bays", [1, 3])
+def test_tags_are_given_once(element, bays) -> None:
+    """Also where members are many and elements few."""
+    whole = regular_frame(
+        [12.0] * bays, [3.5, 3.5], "HEB 200", "IPE 270", beam_joint=SEMI_RIGID
+    ).split("A0-A1", 1.0, "hit")
+    nodes = tuple(
+        replace(node, spring_x=1e6) if node.support == "free" else node for node in whole.nodes
+    )
+    scenario = FrameImpact("f", replace(whole, nodes=nodes), FrameStriker(8e2, 6.0, node="hit"))
+    _, deck, _, _ = OpenSees(element).deck(scenario)
+    commands = [each for part in (*deck.standing, *deck.after) for each in part.commands]
+    for kind, place in (("uniaxialMaterial", 2), ("element", 2), ("node", 1), ("section", 2)):
+        tags = [each[place] for each in commands if each[0] == kind]
+        assert len(set(tags)) == len(tags), kind
+    members = [each for each in commands if each[0] == "element" and "Beam" in each[1]]
+    assert element != "hinges" or len(members) == len(whole.members)
+
+
+@installed
+@pytest.mark.thorough
+def test_a_frame_in_space_is_drawn_where_it_stands() -> None:
+    whole = regular_frame([5.0], [3.5], "HEB 200", "IPE 270", depths=[5.0])
+    struck = whole.split("Aa0-Aa1", 1.0, "hit")
+    striker = FrameStriker(800.0, 6.0, node="hit", angle=pi / 6.0)
+    scenario = FrameImpact("space", struck, striker, 0.02)
+    response = OpenSees("hinges", levels=1).simulate(scenario)
+    rest = [response[f"shape_{axis}"].isel(snapshot=0).values for axis in "xyz"]
+    places = struck.places
+    for values, known in zip(rest, places.T, strict=True):
+        assert (values.min(), values.max()) == pytest.approx((known.min(), known.max()), abs=1e-3)
+    other = make_model("superelement-space", {}).simulate(scenario)
+    assert float(response["displacement"].max()) == pytest.approx(
+        float(other["displacement"].max()), rel=0.1
+    )
+
+
+@installed
+def test_a_light_striker_is_warned_of() -> None:
+    light = replace(HIT, striker=Striker(20.0, 30.0), duration=0.01)
+    response = OpenSees(levels=1).simulate(light)
+    told = [each.text for each in findings_of(response)]
+    assert any("the collision takes" in text for text in told), told
+
+
 @pytest.mark.parametrize(
     ("element", "option"),
     [

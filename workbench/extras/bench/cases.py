@@ -101,7 +101,7 @@ def opened(cases: Iterable[BenchCase], key: Path | None = None) -> dict[str, Ref
     Raises `InputError` for a key that is none, that is of another seal, or whose answers are not
     those that were sealed.
     """
-    salt, texts = ("", {}) if key is None else _key(key)
+    salt, texts = ("", {}) if key is None else key_of(key)
     known = {}
     for case in cases:
         if case.reference is not None:
@@ -116,7 +116,7 @@ def opened(cases: Iterable[BenchCase], key: Path | None = None) -> dict[str, Ref
     return known
 
 
-def _key(file: Path) -> tuple[str, dict[str, str]]:
+def key_of(file: Path) -> tuple[str, dict[str, str]]:
     """The salt in a key, and the texts of sealed answers by case. Raises `InputError`."""
     with open_input(file, "--key", LARGEST_KEY) as stream:
         content = stream.read()

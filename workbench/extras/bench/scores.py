@@ -63,7 +63,7 @@ def judged(
     rows["false_safe"], rows["false_alarm"] = ok & fallen, falls & ~fallen
     rows["missed"] = (rows["loss"] > BEYOND) & (ok | falls) & (rows["warned"] != "yes")
     rows["stated"] = both & rows[WIDTH].notna()
-    rows["held"] = rows["stated"] & (apart <= rows[WIDTH] + width)
+    rows["held"] = rows["stated"] & (apart <= np.hypot(rows[WIDTH], width))
     return rows.reset_index()
 
 

@@ -56,6 +56,7 @@ UNSTATED = "not stated: to be used here, not passed on"  # licence of an answer,
 ROUNDED = 1e-3  # share by which what follows from a section may differ: tables print three digits
 _LONGEST = LONGEST - 20  # characters of a program in words, which is a label of studies
 _SLOWEST, _FASTEST = 1.0 / 500.0, 2.0  # mean speed of what is hit over that of the striker
+_SHARED = 0.1  # the slowest of a column, over the speed of striker and hit mass together
 _LATEST = 0.1  # of the peak and its time, at which a history may begin
 _STATED = ("name", "title", "source", "licence", "uncertainty", "made")
 _DRAWN = ("history", "peaks")  # kinds of figures that take a further line
@@ -147,7 +148,11 @@ def held(entry: Dataset, rows: pd.DataFrame) -> Response | CollapseError:
         advice = "run longer; of a collapse say --outcome geometry, squash, buckling or shear"
         raise InputError(f"{place}, column time_s", float(time[-1]), "ends before its peak", advice)
     if velocity is not None:
-        _check_plausible(place, time, displacement, response, velocity)
+        slowest = _SLOWEST
+        if isinstance(scenario, ColumnImpact):
+            mass, more = scenario.striker.mass, scenario.column.properties.impact_mass
+            slowest = max(_SLOWEST, _SHARED * mass / (mass + more))
+        _check_plausible(place, time, displacement, response, velocity, slowest)
     width = half_width(entry.uncertainty, float(response[PEAK]))
     widths = {} if width is None else {PEAK: width, RESIDUAL: width}
     stated = {name: getattr(entry, name) for name in _STATED}
@@ -156,7 +161,12 @@ def held(entry: Dataset, rows: pd.DataFrame) -> Response | CollapseError:
 
 
 def _check_plausible(
-    place: str, time: Array, displacement: Array, response: Response, velocity: float
+    place: str,
+    time: Array,
+    displacement: Array,
+    response: Response,
+    velocity: float,
+    slowest: float,
 ) -> None:
     """Refuse what no striker of this velocity (m/s) makes: other units, signs, clocks."""
     peak, at = float(response[PEAK]), float(response["time_of_peak"])
@@ -169,7 +179,7 @@ def _check_plausible(
     later = time > time[0]
     mean = (displacement[later] - displacement[0]) / (time[later] - time[0])
     ratio = float(np.max(mean)) / velocity
-    if not _SLOWEST <= ratio <= _FASTEST:
+    if not slowest <= ratio <= _FASTEST:
         allowed = f"moves {ratio:.3g} times as fast as the striker, {velocity:g} m/s"
         advice = "are time and displacement in the units that the table says?"
         raise InputError(f"{place}, displacement", peak, allowed, advice)

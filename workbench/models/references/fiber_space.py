@@ -227,11 +227,16 @@ class SpaceModel(FrameModel):
         frame = as_frame(scenario)
         event, turn = facing(frame), azimuth(frame)
         response = self.run(event, self.structure(event))
-        x, z = response["shape_x"], response["shape_z"]
-        moved = cos(turn) * x - sin(turn) * z, cos(turn) * z + sin(turn) * x
-        for name, values in zip(("shape_x", "shape_z"), moved, strict=True):
-            response[name] = values.assign_attrs(response[name].attrs)
+        turn_shapes(response, turn)
         return response
+
+
+def turn_shapes(response: Response, turn: float) -> None:
+    """Turn the pictures of a frame that was turned so that what acts lies along x (rad) back."""
+    x, z = response["shape_x"], response["shape_z"]
+    moved = cos(turn) * x - sin(turn) * z, cos(turn) * z + sin(turn) * x
+    for name, values in zip(("shape_x", "shape_z"), moved, strict=True):
+        response[name] = values.assign_attrs(response[name].attrs)
 
 
 def space_parts(scenario: FrameScenario, *, pins: bool) -> list[str]:

@@ -139,7 +139,7 @@ def _sections(frame: Frame, form: Form, *, spatial: bool) -> Iterator[Command]:
             continue
         pairs: list[Any] = []
         for way, each in zip(("Vy", "Vz"), about, strict=False):
-            law = 10 * number + len(pairs)
+            law = 2 * number + len(pairs) // 2  # behind that of the steel
             yield "uniaxialMaterial", "Elastic", law, shear_stiffness(each, steel)
             pairs += [law, way]
         yield "section", "Aggregator", number, *pairs, "-section", tag
@@ -200,7 +200,7 @@ def _springs(frame: Frame, mesh: FrameMesh, place: dict[str, int]) -> Iterator[C
     A zero-length element is unstressed, and a support holds, at the displacement that it is built
     at.
     """
-    size, count = len(place), len(mesh.coordinates)
+    size, count = len(place), len(mesh.coordinates) + len(mesh.nodes) + 4 * len(frame.members)
     for number, node in enumerate(frame.nodes):
         wanted = {part: getattr(node, f"spring_{way}") for way, part in COMPONENT.items()}
         wanted = {part: stiffness for part, stiffness in wanted.items() if stiffness > 0.0}

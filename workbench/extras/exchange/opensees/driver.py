@@ -167,9 +167,9 @@ class Strike:
     def _collide(self) -> None:
         """Collision of the striker with the node at this instant."""
         own, approach = self.own[self.dof - 1], self.velocity - self.speed
-        self.place = self.start + self.moved
         if approach <= 0.0:
             return
+        self.place = self.start + self.moved
         bounces = approach > self.slow and self.flown > CHATTER
         rebound = self.restitution if bounces else 0.0
         self.flown = 0

@@ -24,6 +24,7 @@ from workbench.extras.exchange.opensees.deck import (
     FORCE_BASED,
     FORMS,
     HINGES,
+    Commands,
     Deck,
     Form,
     deck_of,
@@ -52,6 +53,7 @@ from workbench.models.references.fiber_space import (
     held_by_ends,
     place_column,
     place_frame,
+    turn_shapes,
 )
 from workbench.models.references.refine import (
     HALVED_STEPS,
@@ -63,7 +65,7 @@ from workbench.models.references.refine import (
 )
 from workbench.responses import Finding, Response, build_response, finding, peak_of
 from workbench.scenarios import ColumnImpact, FrameImpact, Scenario
-from workbench.scenarios.frame_events import facing
+from workbench.scenarios.frame_events import azimuth, facing
 
 PACKAGE = "openseespy"
 PROGRAM = "program"  # subject of the refusal where it is not installed
@@ -74,6 +76,8 @@ ELEMENTS = {  # that have an option
     "largest_element": (FORCE_BASED, DISPLACEMENT_BASED),
 }
 OPEN = 0.02  # of the energy brought in, that a run may lose to its steps without a warning
+NO_LEDGER = 0.1  # of it, beyond which a run is no answer
+HEAVY = 0.05  # of it, lost in contact, from which the mass of the struck node decides the peak
 PICTURES = 60  # deformed shapes over the record, and one of the peak
 DEPTHS = 2.0  # length of a force-based element; shorter ones lose their strength where hinges form
 # Hardening that gives hinges a length. With less force-based elements leave their path: at 1e-6
@@ -139,7 +143,8 @@ class OpenSees(Declared, table="option"):
         "Elastic torsion by St Venant where members are in space.",
         "Masses at the nodes; no damping but that of the steps (TRBDF2).",
         "Point contact: a collision at an instant with Newton's restitution, then one mass until "
-        "the striker is let go; no denting, no local buckling, no fracture.",
+        "the striker is let go; no denting, no local buckling, no fracture; strain rate as one "
+        "factor on the yield stress.",
     )
 
     def check(self) -> None:
@@ -177,7 +182,6 @@ class OpenSees(Declared, table="option"):
         refinement, further = self.refinement, self.step_refinement
         smallest, largest = self.smallest_element, self.largest_element
         if self.element == HINGES:
-            smallest = largest = 10.0  # m
             refinement, further = 0, refinement + further
         elif self.element == FORCE_BASED:
             event: Any = as_frame(scenario)
@@ -205,7 +209,7 @@ class OpenSees(Declared, table="option"):
         column, heights = isinstance(scenario, ColumnImpact), None
         if isinstance(twin, FiberSpace):
             event = event if column else facing(event)
-            lengths = twin.lengths(scenario if column else event)
+            lengths = self._lengths(twin, scenario if column else event)
             placed = (
                 place_column(scenario, lengths) if column else place_frame(event.frame, lengths)
             )
@@ -215,7 +219,7 @@ class OpenSees(Declared, table="option"):
             assembly: PlanarAssembly = SpaceAssembly(mesh.coordinates, [beams])
             assembly.hold([assembly.dof(frame.number[name], part) for name, part in held])
         else:
-            frame, mesh = event.frame, mesh_frame(event.frame, twin.lengths(event))
+            frame, mesh = event.frame, mesh_frame(event.frame, self._lengths(twin, event))
             beams = twin.fibers(frame, mesh)
             assembly = PlanarAssembly(mesh.coordinates, [beams], ties=mesh.ties)
         structure = _loaded(frame, mesh, beams, assembly)
@@ -225,6 +229,12 @@ class OpenSees(Declared, table="option"):
         )
         deck = deck_of(structure, mesh, heights, form)
         return (as_column(structure) if column else structure), deck, event, twin.time_spans(event)
+
+    def _lengths(self, twin: FiberCorotational | FiberSpace, scenario: Any) -> list[Array]:
+        """Element lengths (m) of every member; one between its hinges."""
+        if self.element != HINGES:
+            return twin.lengths(scenario)
+        return [np.array([length]) for length in as_frame(scenario).frame.lengths]
 
     def solve(self, scenario: Any) -> Response:
         """Answer an impact that is in the domain; raises `SolverError`, `CollapseError`."""
@@ -239,8 +249,6 @@ class OpenSees(Declared, table="option"):
                 record.begin(strike)
                 for _ in strike.follow(spans):
                     record.take(strike)
-            except ops.OpenSeesError as error:
-                raise SolverError("a command that OpenSees refuses", np.inf, str(error)) from error
             except driver.UnsolvedError as error:
                 if record.watch.turned is not None:
                     raise record.watch.turned from error
@@ -248,6 +256,8 @@ class OpenSees(Declared, table="option"):
             finally:
                 ops.wipe()
         response = record.response()
+        if isinstance(scenario, FrameImpact) and structure.assembly.axes == 3:
+            turn_shapes(response, azimuth(scenario))
         if self.element != HINGES:  # whose meshes have one length
             response.attrs["smallest_element"] = float(structure.members.elements.lengths.min())
         return response
@@ -269,13 +279,21 @@ def quiet() -> Iterator[None]:
 def build(ops: Any, deck: Deck) -> None:
     """Run the commands of a deck, its dead loads included."""
     for part in deck.standing:
-        for name, *arguments in part.commands:
-            getattr(ops, name)(*arguments)
+        _command(ops, part)
     if deck.loaded:
         driver.stand(ops)
     for part in deck.after:
-        for name, *arguments in part.commands:
+        _command(ops, part)
+
+
+def _command(ops: Any, part: Commands) -> None:
+    """Run some commands. Raises `SolverError` naming one that OpenSees refuses."""
+    for name, *arguments in part.commands:
+        try:
             getattr(ops, name)(*arguments)
+        except ops.OpenSeesError as error:
+            given = ", ".join(map(str, arguments))
+            raise SolverError(f"the command {name}({given})", np.inf, "nothing else") from error
 
 
 def striker_of(structure: FrameStructure, event: FrameImpact) -> tuple[Any, ...]:
@@ -377,7 +395,12 @@ class _Record:
             if not peak:
                 raise self.watch.turned
             warnings.append(finding("hangs-on", reason=self.watch.turned.reason))
+        taken = float(rows["contact_loss"][-1]) / self.given
+        if taken > HEAVY:
+            warnings.append(finding("heavy-node", taken, taken=taken))
         lost = float(np.abs(rows["balance_error"]).max()) / self.given
+        if lost > NO_LEDGER:
+            raise SolverError("the energy balance of OpenSees", lost, "its steps: reduce them")
         if lost > OPEN:
             warnings.append(finding("energy-balance", lost, error=lost))
         if structure.assembly.axes == 3:
