@@ -244,7 +244,7 @@ def test_wrong_verdicts_on_collapse_are_told_apart(bench: Path) -> None:
 
 
 def test_intervals_hold_with_that_of_the_reference(bench: Path) -> None:
-    frame = answers(mine={"a": 0.12, "c": 0.22, "d": 0.4}).assign(half_width_m=[0.018, 0.015, 0.1])
+    frame = answers(mine={"a": 0.12, "c": 0.22, "d": 0.4}).assign(half_width_m=[0.0196, 0.015, 0.1])
     row = scored(frame, bench).loc["mine"]
     assert row[["intervals", "intervals_held"]].tolist() == [3, 2]
 
