@@ -51,7 +51,7 @@ def write_bench(
         **{"beyond": BEYOND, "draws": DRAWS},
     )
     facts = (f"{len(known)} of {len(cases)} cases", f"workbench {__version__}")
-    page = Document("Impact bench", "Who is how far off", facts, text)
+    page = Document("Impact bench", "Errors of models against references", facts, text)
     own_directory(target.parent, target.name)
     files = {f"table of {name}": target / f"{name}.csv" for name in tables}
     for file, frame in zip(files.values(), tables.values(), strict=True):
