@@ -88,6 +88,37 @@ def process(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True)
 
 
+def test_a_spoilt_entry_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(command()) == 0
+    catalogue = Path("lab_data/catalogue.toml")
+    text = catalogue.read_text(encoding="utf-8")
+    assert "length_below" in text
+    catalogue.write_text(text.replace("length_below", "length_belwo"), encoding="utf-8")
+    capsys.readouterr()
+    assert run(["simulate", "scenario.toml", "--model", "imported"]) == 2
+    error = capsys.readouterr().err
+    assert "answer result" in error
+    assert "mend the entry or delete it" in error
+    with pytest.raises(InputError, match="answer result"):
+        load_study("thesis_column")
+
+
+def test_a_history_in_another_unit_is_refused(capsys) -> None:
+    """In mm, as its column does not say."""
+    Path("result.csv").write_text(history(displacement="displacement_cm"), encoding="utf-8")
+    assert run(command()) == 2
+    assert "times as fast as the striker" in capsys.readouterr().err
+
+
+def test_a_history_in_smaller_units_is_refused(capsys) -> None:
+    """Centimetres under a column of millimetres."""
+    rows = [line.split(",") for line in history().splitlines()]
+    rows[1:] = [[row[0], str(0.1 * float(row[1])), *row[2:]] for row in rows[1:]]
+    Path("result.csv").write_text("\n".join(map(",".join, rows)) + "\n", encoding="utf-8")
+    code = run(command())
+    assert (code, "times as fast as the striker" in capsys.readouterr().err) == (2, True)
+
+
 @pytest.mark.thorough
 def test_the_readme_column_becomes_a_line_of_the_flagship_with_two_commands() -> None:
     before = load_study("thesis_column").study

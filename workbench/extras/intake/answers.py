@@ -185,9 +185,20 @@ def _check_plausible(
         raise InputError(f"{place}, displacement", peak, allowed, advice)
 
 
+def asked_of(entry: Dataset) -> Scenario:
+    """The scenario that an answer is to. Raises `InputError` naming a spoilt entry."""
+    try:
+        return scenario_from(entry.asked or {})
+    except InputError as error:
+        place = f"data catalogue, answer {entry.name}, {error.field}"
+        raise InputError(
+            place, error.value, error.allowed, "mend the entry or delete it"
+        ) from error
+
+
 def check_new(entry: Dataset, other: Dataset) -> None:
     """Refuse a second answer of a program to the scenario of another one. Raises `InputError`."""
-    both = [scenario_from(each.asked) for each in (entry, other) if each.asked]
+    both = [asked_of(each) for each in (entry, other) if each.asked]
     if len(both) == 2 and entry.title == other.title and not contrasts(*both)[0]:
         allowed = f"has answered this scenario already, as {other.name}"
         raise InputError("--model", entry.title, allowed, "say what is new, or remove that one")
@@ -243,7 +254,7 @@ class Imported(Answering):
 
     def domain(self, scenario: Scenario) -> list[Finding]:
         """Refuse what was not answered, input by input; note what tables of sections round."""
-        both = {e.name: contrasts(scenario_from(e.asked or {}), scenario) for e in self.entries}
+        both = {e.name: contrasts(asked_of(e), scenario) for e in self.entries}
         alike = {name: rounded for name, (differ, rounded) in both.items() if not differ}
         if not both:
             return [finding("answer-none")]
@@ -257,7 +268,7 @@ class Imported(Answering):
 
     def _solve(self, scenario: Scenario) -> Response:
         for entry in self.entries:
-            if not contrasts(scenario_from(entry.asked or {}), scenario)[0]:
+            if not contrasts(asked_of(entry), scenario)[0]:
                 answer = held(entry, examine(entry.path, SERIES).accept())
                 if isinstance(answer, CollapseError):
                     raise answer
@@ -287,8 +298,9 @@ def joined(study: Study) -> Study:
     for title in dict.fromkeys(entry.title for entry in Imported().entries):
         known = set[str]()
         for entry in Imported(title).entries:
+            theirs = asked_of(entry)
             with suppress(InputError):  # no case asks it
-                known |= {*cases_of_answer(study, scenario_from(entry.asked or {}))}
+                known |= {*cases_of_answer(study, theirs)}
         if known:
             study = _with_side(study, title, known)
     return study
