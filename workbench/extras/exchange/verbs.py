@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from pkgutil import resolve_name
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from workbench.base.errors import InputError
 from workbench.base.fields import Choice
@@ -20,7 +20,6 @@ from workbench.cli.output import (
     writable,
 )
 from workbench.report.page.markdown import Block, paragraph
-from workbench.responses import Finding
 
 
 class ExportFormat(NamedTuple):
@@ -65,7 +64,7 @@ def export(
     settings: Settings = None,
     options: Options = None,
 ) -> Answer:
-    """Write a scenario as input of another program, or its answer for ParaView.
+    """Write a scenario for another program, or its answer.
 
     A deck is self-contained and says in comments what it holds; what it cannot carry is refused.
     Options of decks: refinement, struck (section or face), step, contact; of vtu those of the model
@@ -89,6 +88,6 @@ def export(
     return Answer(content | told, _blocks(given.name, then, findings), files={"file": target})
 
 
-def _blocks(name: str, then: str, findings: list[Finding]) -> Iterator[Block]:
+def _blocks(name: str, then: str, findings: list[Any]) -> Iterator[Block]:
     yield paragraph(f"{name}: {then}")
     yield from warnings(findings)
