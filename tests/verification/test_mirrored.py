@@ -56,7 +56,7 @@ from workbench.study.assessment.metric import ResponsePair
 from workbench.study.error_model.error_model import ExpectedError
 
 CLOSE = 1e-6  # of the peak; measured: at most 6e-10, of fibers in hinges
-READ = ("published", "remote", "opensees")  # answer what is printed, or what a server says
+READ = ("published", "imported", "remote", "opensees")  # what is printed, or said elsewhere
 # no more steps, fibers and bars than a side needs; steps by error are part of the test
 QUICK = {"time_step": 1e-4, "layers": 6, "elements": 2}
 BY_ERROR = ("rigid-superelement", "flexible-superelement", "single-dof", "biggs")

@@ -262,7 +262,7 @@ def test_vtu_holds_the_answer_of_the_model_of_the_advice(tmp_path, monkeypatch, 
     assert run(["export", "hit.toml", "--to", "vtu"]) == 0
     assert "open it in ParaView" in capsys.readouterr().out
     write_shapes(Path("same.pvd"), HIT, simulate(HIT))
-    shapes = [sorted(Path(name).glob("*.vtu")) for name in ("hit", "same")]
+    shapes = [sorted(Path(name).glob("*.vtu")) for name in ("hit-vtu", "same")]
     assert len(shapes[0]) > 10
     for one, other in zip(*shapes, strict=True):
         assert one.read_bytes() == other.read_bytes()
