@@ -8,14 +8,12 @@ that it hits.
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from math import cos, sin
 from time import process_time
 
 import numpy as np
 
+from workbench.extras.exchange.opensees.model import quiet
 from workbench.mechanics.structures.space import space_fibers
 from workbench.scenarios import ColumnImpact
 from workbench.steel.sections.slenderness import torsion_constants
@@ -28,19 +26,6 @@ ATTEMPTS = (
     (256, "KrylovNewton"),
     (1024, "Newton"),
 )
-
-
-@contextmanager
-def quiet() -> Iterator[None]:
-    """OpenSees prints five lines for every attempt that fails; its status tells us."""
-    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 2)
-    try:
-        yield
-    finally:
-        os.dup2(kept, 2)
-        os.close(kept)
-        os.close(nowhere)
 
 
 @quiet()

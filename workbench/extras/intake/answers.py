@@ -115,7 +115,7 @@ def held(entry: Dataset, rows: pd.DataFrame) -> Response | CollapseError:
     Text(_LONGEST).check("--model", entry.title)
     check_stated("--source", entry.source)
     half_width(entry.uncertainty, 1.0)
-    place, scenario = entry.file, scenario_from(entry.asked or {})
+    place, scenario = entry.file, asked_of(entry)
     if scenario.KIND not in Imported.answers:
         allowed = f"takes no answers; they are to {', '.join(Imported.answers)}"
         raise InputError("scenario, kind", scenario.KIND, allowed)

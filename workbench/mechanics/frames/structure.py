@@ -285,6 +285,31 @@ def apply_dead_loads(
     give. Springs are unstressed, and locked nodes stand still, once the dead loads are on. Raises
     `SolverError` when those find no equilibrium.
     """
+    equip(frame, assembly, members, rotary_inertia)
+    if np.any(assembly.load):
+        apply_loads(assembly)
+    for number, node in enumerate(frame.nodes):
+        for direction, component in COMPONENT.items():
+            stiffness = getattr(node, f"spring_{direction}")
+            if stiffness > 0.0:
+                assembly.add_spring(assembly.dof(number, component), stiffness)
+        if node.locked != "none":
+            assembly.hold([assembly.dof(number, COMPONENT[node.locked])])
+    assembly.assemble(assembly.displacement, None)
+    assembly.stored = assembly.account(assembly.displacement, 0.5).stored
+    return FrameStructure(frame, assembly, members, assembly.displacement.copy())
+
+
+def equip(
+    frame: Frame,
+    assembly: PlanarAssembly,
+    members: MemberReader,
+    rotary_inertia: Array | None = None,
+) -> None:
+    """Give an assembly supports, masses and the dead loads of a frame, which do not act yet.
+
+    Arguments as of `apply_dead_loads`.
+    """
     held = [(number, part) for number, node in enumerate(frame.nodes) for part in node.held]
     held += [(number, "rotation") for number in free_to_spin(frame)]
     assembly.hold([assembly.dof(*each) for each in held])
@@ -298,18 +323,6 @@ def apply_dead_loads(
         assembly.load += own_weight(frame, assembly)
     if frame.line_loads.any():
         assembly.load += line_forces(assembly, members, frame.line_loads)
-    if np.any(assembly.load):
-        apply_loads(assembly)
-    for number, node in enumerate(frame.nodes):
-        for direction, component in COMPONENT.items():
-            stiffness = getattr(node, f"spring_{direction}")
-            if stiffness > 0.0:
-                assembly.add_spring(assembly.dof(number, component), stiffness)
-        if node.locked != "none":
-            assembly.hold([assembly.dof(number, COMPONENT[node.locked])])
-    assembly.assemble(assembly.displacement, None)
-    assembly.stored = assembly.account(assembly.displacement, 0.5).stored
-    return FrameStructure(frame, assembly, members, assembly.displacement.copy())
 
 
 def free_to_spin(frame: Frame) -> list[int]:

@@ -182,6 +182,16 @@ def held_beside(frame: Frame) -> Iterator[tuple[str, str]]:
         yield from ((frame.nodes[number].name, part) for part in ("turn_x", "turn_y"))
 
 
+def place(
+    scenario: ColumnScenario | FrameScenario, lengths: list[Array]
+) -> tuple[Placed, Iterator[tuple[str, str]]]:
+    """A column or frame in space, and what is held of it beside a plane; `lengths` (m)."""
+    if isinstance(scenario, ColumnImpact):
+        return place_column(scenario, lengths), held_by_ends(scenario)
+    frame = as_frame(scenario).frame
+    return place_frame(frame, lengths), held_beside(frame)
+
+
 class SpaceModel(FrameModel):
     """A model of columns and frames in space, which a face with friction does not suit.
 
@@ -212,12 +222,8 @@ class SpaceModel(FrameModel):
 
     def structure(self, scenario: ColumnScenario | FrameScenario) -> FrameStructure:
         """The column or frame under its dead loads. Raises `SolverError`."""
-        lengths, column = self.lengths(scenario), isinstance(scenario, ColumnImpact)
-        if isinstance(scenario, ColumnImpact):
-            placed, held = place_column(scenario, lengths), held_by_ends(scenario)
-        else:
-            frame = as_frame(scenario).frame
-            placed, held = place_frame(frame, lengths), held_beside(frame)
+        placed, held = place(scenario, self.lengths(scenario))
+        column = isinstance(scenario, ColumnImpact)
         return placed.stand(self.bars(placed), held, self.sampled, column=column)
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:

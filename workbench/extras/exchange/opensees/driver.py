@@ -105,7 +105,8 @@ class Strike:
         self.mass, self.velocity, self.restitution = mass, velocity, restitution
         self.slow = SLOW * velocity
         self.start = self.place = sign * ops.nodeDisp(hit, dof)
-        self.own = list(ops.nodeMass(hit))
+        self.masses = {node: list(ops.nodeMass(node)) for node in nodes}
+        self.own = self.masses[hit]
         self.sticks, self.flown = False, inf  # steps since the last collision
         self.time = self.moved = self.speed = self.impulse = self.work = self.lost = 0.0
         self.given = self.kinetic = 0.5 * mass * velocity**2
@@ -184,9 +185,10 @@ class Strike:
     def _carry(self, mass: float, speed: float) -> None:
         """Let the node move with that speed (m/s) and carry a mass (kg) of the striker's."""
         ops, at = self.ops, self.dof - 1
-        old = ops.nodeMass(self.hit)[at]
+        old = self.masses[self.hit][at]
         masses = [own + mass * (number == at) for number, own in enumerate(self.own)]
         ops.mass(self.hit, *masses)
+        self.masses[self.hit] = masses
         ops.setNodeVel(self.hit, self.dof, self.sign * speed, "-commit")
         accelerated = ops.nodeAccel(self.hit, self.dof)  # by the same force
         ops.setNodeAccel(self.hit, self.dof, accelerated * old / masses[at], "-commit")
@@ -205,7 +207,7 @@ class Strike:
             self.kinetic = sum(
                 0.5 * mass * speed**2
                 for node in self.nodes
-                for mass, speed in zip(ops.nodeMass(node), ops.nodeVel(node), strict=True)
+                for mass, speed in zip(self.masses[node], ops.nodeVel(node), strict=True)
             )
         self.places, self.forces = places, forces
         self.moved = self.sign * ops.nodeDisp(self.hit, self.dof) - self.start

@@ -34,12 +34,9 @@ from workbench.mechanics.frames.elastic import Spans
 from workbench.mechanics.frames.members import LAYERS
 from workbench.mechanics.frames.structure import (
     FrameStructure,
-    free_to_spin,
+    equip,
     hinge_names,
-    line_forces,
     member_names,
-    nodal_forces,
-    own_weight,
 )
 from workbench.mechanics.structures.assembly import PlanarAssembly
 from workbench.mechanics.structures.space import SpaceAssembly
@@ -49,10 +46,7 @@ from workbench.models.references.fiber import FiberMembers, FrameMesh, mesh_fram
 from workbench.models.references.fiber_beams import FiberCorotational
 from workbench.models.references.fiber_space import (
     FiberSpace,
-    held_beside,
-    held_by_ends,
-    place_column,
-    place_frame,
+    place,
     turn_shapes,
 )
 from workbench.models.references.refine import (
@@ -209,11 +203,8 @@ class OpenSees(Declared, table="option"):
         column, heights = isinstance(scenario, ColumnImpact), None
         if isinstance(twin, FiberSpace):
             event = event if column else facing(event)
-            lengths = self._lengths(twin, scenario if column else event)
-            placed = (
-                place_column(scenario, lengths) if column else place_frame(event.frame, lengths)
-            )
-            held = held_by_ends(scenario) if column else held_beside(event.frame)
+            given = scenario if column else event
+            placed, held = place(given, self._lengths(twin, given))
             frame, mesh, heights = placed.frame, placed.mesh, placed.heights
             beams: Any = twin.bars(placed)
             assembly: PlanarAssembly = SpaceAssembly(mesh.coordinates, [beams])
@@ -309,15 +300,7 @@ def _loaded(frame: Any, mesh: FrameMesh, beams: Any, assembly: PlanarAssembly) -
     """A structure with supports, masses and dead loads that are not on yet."""
     members = _Nodes(frame, mesh, beams, None, 0.0, shear_yields=False)
     members.assembly = assembly
-    held = [(number, part) for number, node in enumerate(frame.nodes) for part in node.held]
-    held += [(number, "rotation") for number in free_to_spin(frame)]
-    assembly.hold([assembly.dof(*each) for each in held])
-    for number, node in enumerate(frame.nodes):
-        assembly.add_mass(number, node.mass, node.rotary_inertia)
-    assembly.load = nodal_forces(frame, assembly, frame.loads)
-    assembly.load += line_forces(assembly, members, frame.line_loads)
-    if any(frame.gravity):
-        assembly.load += own_weight(frame, assembly)
+    equip(frame, assembly, members)
     return FrameStructure(frame, assembly, members, np.zeros(assembly.size))
 
 
