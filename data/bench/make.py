@@ -1,4 +1,6 @@
-"""Cases of the impact bench: ``python data/bench/make.py KEY.json``, for some hours.
+"""Cases of the impact bench, drawn and answered in some hours.
+
+    PYTHONPATH=studies python data/bench/make.py KEY.json
 
 Draws all cases anew, asks their references, writes their folders, and seals half of the answers
 with a new key, see ``rotate.py``.
@@ -19,30 +21,27 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import drawn_columns
+import drawn_directions
+import drawn_frames
+import drawn_pulses
 import numpy as np
+import shear_columns
 import tomli_w
+import which_model
+from rotate import seal
 from scipy.stats import qmc
 
+import workbench
+from workbench.extras.bench.cases import CASE, SCENARIO, ReferenceAnswer
+from workbench.models.base import make_model
+from workbench.responses import Outcome, findings_of, outcome_of
+from workbench.responses.uncertainty import uncertainty_of
+from workbench.scenarios import load_scenario, scenario_hash, to_toml
+from workbench.study.error_model.error_table import DEMAND, STRIKER, features
+from workbench.study.error_rows import DOUBTFUL
+
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parents[1] / "studies"))
-
-import drawn_columns  # noqa: E402
-import drawn_directions  # noqa: E402
-import drawn_frames  # noqa: E402
-import drawn_pulses  # noqa: E402
-import shear_columns  # noqa: E402
-import which_model  # noqa: E402
-from rotate import seal  # noqa: E402
-
-import workbench  # noqa: E402
-from workbench.extras.bench.cases import CASE, SCENARIO, ReferenceAnswer  # noqa: E402
-from workbench.models.base import make_model  # noqa: E402
-from workbench.responses import Outcome, findings_of, outcome_of  # noqa: E402
-from workbench.responses.uncertainty import uncertainty_of  # noqa: E402
-from workbench.scenarios import load_scenario, scenario_hash, to_toml  # noqa: E402
-from workbench.study.error_model.error_table import DEMAND, STRIKER, features  # noqa: E402
-from workbench.study.error_rows import DOUBTFUL  # noqa: E402
-
 SEED = 20481
 WELL, KNOWN = 0.03, 0.05  # half-widths over the peak: no finer mesh is asked; none is taken beyond
 BENDING, SHEAR, SPACE, SOLID = "fiber-reissner", "fiber-shear", "fiber-space", "solid-plane-stress"

@@ -91,6 +91,21 @@ def place_of(tables: dict[str, Any], path: str, override: str) -> tuple[str | in
     return (*places, keys[-1])
 
 
+def number_at(tables: dict[str, Any], key: str, field: str) -> tuple[tuple[str | int, ...], float]:
+    """Keys that lead to a number in the tables of a scenario, and the number.
+
+    Raises `InputError` naming the `field` in which a `key` stands that leads to none.
+    """
+    path: Any = place_of(tables, key, key)
+    value: Any = tables
+    for part in path:
+        value = value[part] if isinstance(value, list) else value.get(part)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        text = "is no number of this scenario"
+        raise InputError(field, key, text, "name keys as --set does, with their value")
+    return path, value
+
+
 def _entry(entries: list[Any], key: str, override: str) -> int:
     """Return the number of the entry that a key of an override names."""
     tables = {n: entry for n, entry in enumerate(entries) if isinstance(entry, dict)}

@@ -26,7 +26,7 @@ from workbench.models.base import Answering
 from workbench.responses import SCALARS, Finding, Outcome, Response, build_response, finding
 from workbench.responses.build import failed_response, set_attributes
 from workbench.scenarios import Scenario, StudTests, to_toml
-from workbench.scenarios.files import KINDS, place_of
+from workbench.scenarios.files import KINDS, number_at
 from workbench.scenarios.varied import Path_, put
 
 LARGEST = 1_000_000  # bytes of a reply
@@ -173,21 +173,6 @@ class Remote(Answering):
             parts = (f"{path} {shown(old)} -> {shown(new)}" for path, old, new in other[:3])
             named = one_line("; ".join(parts), 500)
             raise OutOfDomainError(finding("other-scenario", len(other), url=self.url, named=named))
-
-
-def number_at(tables: dict[str, Any], key: str, field: str) -> tuple[Path_, float]:
-    """Keys that lead to a number in the tables of a scenario, and the number.
-
-    Raises `InputError` naming the `field` in which a `key` stands that leads to none.
-    """
-    path: Any = place_of(tables, key, key)
-    value: Any = tables
-    for part in path:
-        value = value[part] if isinstance(value, list) else value.get(part)
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        text = "is no number of this scenario"
-        raise InputError(field, key, text, "name keys as --set does, with their value")
-    return path, value
 
 
 def ask_server(url: str, deadline: float, path: str, body: Any = None) -> Any:

@@ -51,9 +51,9 @@ class Service:
     """A model of which some numbers of a scenario are the input, and scalars the output."""
 
     def __init__(self, model: Any, scenario: Any, keys: list[str], quantities: list[str]) -> None:
-        from workbench.extras.exchange.remote import number_at
         from workbench.responses import SCALARS
         from workbench.scenarios import to_toml
+        from workbench.scenarios.files import number_at
 
         self.model, self.quantities = model, quantities
         self.tables = tomllib.loads(to_toml(scenario))
