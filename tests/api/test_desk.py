@@ -88,7 +88,7 @@ def test_a_response_tells_what_it_knows(response: Any, column: Any) -> None:
     ends = 1.0 + np.array([answer.error.high, answer.error.low])
     least, most = 1e3 * answer.number("peak_displacement") / ends
     assert f"90 %: {least:.3g} to {most:.3g}; survives; by four-dof, as asked" in answer.headline
-    assert "<table>" in answer._repr_html_()
+    assert "<dl" in answer._repr_html_()
     assert "HEB 220" in column._repr_html_()
 
 

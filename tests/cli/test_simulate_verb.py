@@ -12,9 +12,10 @@ from typing import Any
 import numba
 import pytest
 
+from workbench.api.accessor import time_of
 from workbench.cli import run
 from workbench.cli.output import at_work
-from workbench.cli.simulate import time_of, timed
+from workbench.cli.simulate import timed
 from workbench.models.four_dof import FourDof
 from workbench.scenarios import load_scenario
 

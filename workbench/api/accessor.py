@@ -1,14 +1,15 @@
 """Accessor ``response.workbench``: a response in words, with its findings as objects.
 
-The answer in one sentence, as an object for ``--json``, as a row of a table, as HTML.
+The answer in one sentence, as an object for ``--json``, as a row of a table, as blocks of a
+page, which the command line prints too.
 """
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
-from html import escape
+from itertools import islice
 from math import nan
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,15 @@ import xarray as xr
 
 from workbench.base.errors import Collapse, InputError
 from workbench.base.fields import did_you_mean
-from workbench.report.page.formatting import direction, in_unit, number, unit_of
+from workbench.report.page.formatting import (
+    direction,
+    duration,
+    in_unit,
+    number,
+    quantities,
+    unit_of,
+)
+from workbench.report.page.markdown import Block, Cell, Table, definitions, paragraph, warnings
 from workbench.responses import (
     ENERGIES,
     PEAK,
@@ -36,6 +45,7 @@ from workbench.responses import (
     places_of,
     scalars_of,
     survives,
+    warnings_of,
 )
 from workbench.responses.histories import INTEGRATORS, STUD_TESTS, largest_of
 from workbench.scenarios import FrameImpact, Scenario
@@ -57,6 +67,9 @@ FORCE_UNMEASURED = (
 )
 OPEN = "survives or not: the record ends before the peak"
 TABLED = (PEAK, "time_of_peak", "residual_displacement", "peak_force", "impulse")
+_KIND = "numerical"  # what stands after ±
+_SEGMENTS = 4  # the most sheared ones, which the text names
+_ROWS = 5  # of an answer that is not shown in full
 
 
 def headline(response: Response) -> str:
@@ -140,17 +153,6 @@ def compared(responses: Mapping[str, Response], reference: str = "") -> pd.DataF
     error = table[PEAK] / held.iloc[0] - 1.0 if len(held) else float("nan")
     table.insert(3, "error", error)
     return table
-
-
-def html_of(title: str, table: pd.DataFrame | Mapping[str, Any], text: str = "") -> str:
-    """HTML of a table, or of names and values, below a title and a sentence."""
-    if not isinstance(table, pd.DataFrame):
-        rows = [f"<tr><th>{escape(n)}</th><td>{escape(str(v))}</td></tr>" for n, v in table.items()]
-        body = f"<table>{''.join(rows)}</table>"
-    else:
-        body = table.to_html(index=False, na_rep="", float_format="{:.4g}".format, border=0)
-    sentence = f"<p>{escape(text)}</p>" if text else ""
-    return f"<div><b>{escape(title)}</b>{sentence}{body}</div>"
 
 
 def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
@@ -244,6 +246,115 @@ def _parts(response: Response, scenario: Scenario) -> dict[str, Any]:
     }
 
 
+def time_of(response: Response) -> Cell:
+    """The wall time of an answer, unless compilation may be a part of it."""
+    if "compiled" in response.attrs:
+        return Cell("compiled")
+    return Cell(duration(response.attrs["wall_time"]), response.attrs["wall_time"])
+
+
+def table_blocks(name: str, responses: Mapping[str, Response]) -> Iterator[Block]:
+    """Several answers as one table, their warnings below."""
+    columns = {
+        "model": "model",
+        "fate": lambda row: fate_of(responses[row["model"]]),
+        **quantities(*TABLED),
+        "error of the peak": lambda row: str(error_of(responses[row["model"]])),
+        "wall time": lambda row: time_of(responses[row["model"]]),
+    }
+    yield Table.of("models", name, columns, compared(responses))
+    for label, response in responses.items():
+        findings = sorted(findings_of(response), key=lambda finding: not finding.refusal)
+        yield from warnings(findings, f" of {label}")
+
+
+def blocks_of(response: Response, name: str, answer: dict[str, Any], full: bool) -> Iterator[Block]:
+    """An `answer`, the object of a response, in words: with all of its numbers or the first."""
+    yield paragraph(f"{name}: {answer['headline']}")
+    if answer["message"]:
+        yield paragraph(answer["message"])
+    rows = numbers_in_words(response, answer)
+    yield definitions(tuple(rows if full else islice(rows, _ROWS)))
+    yield from notes_in_words(response, answer)
+    yield from warnings(warnings_of(response))
+    if len(rows) > _ROWS and not full:
+        yield paragraph(f"{len(rows) - _ROWS} more numbers with --full.")
+
+
+def numbers_in_words(response: Response, answer: dict[str, Any]) -> list[tuple[str, str]]:
+    """The numbers of an answer by their names, with what a reference says and the wall time."""
+    rows = [*_lines(answer), ("wall time", time_of(response).text)]
+    other = answer.get("reference")
+    if answer["rate_factor"] is not None:
+        text = f"{answer['rate_factor']:.3g} times the static one by strain rate, at the hinges"
+        rows.insert(1, ("yield stress", text))
+    if other is not None:
+        value, width = other[PEAK], (other["numerical_uncertainty"] or {}).get(PEAK, 0.0)
+        known = "" if value is None else f", {in_unit(value, PEAK, width=width, kind=_KIND)}"
+        rows.insert(1, (f"by {other['model']}, a reference", f"{other['outcome']}{known}"))
+    return rows
+
+
+def notes_in_words(response: Response, answer: dict[str, Any]) -> Iterator[Block]:
+    """The error to expect of the peak, or why there is none, and the notes on an answer."""
+    error = error_of(response)
+    if error.collapse is not None or error.expected is not None:
+        yield paragraph(f"Error of the peak displacement: {error}.")
+    elif answer[PEAK] is not None and error.high is None:
+        yield paragraph(f"No interval of the peak displacement: {error.reason}.")
+    for note in answer["notes"]:
+        yield paragraph(f"Note: {note}.")
+
+
+def _lines(answer: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """The numbers of a response with their names, units and numerical uncertainty."""
+    widths, places = answer["numerical_uncertainty"] or {}, answer["places"]
+    energies, collapse = answer["energies"], answer["collapse"]
+    if collapse:
+        mechanism = f"{collapse['mechanism']} ({', '.join(collapse['parts'])})"
+        yield "mechanism of the collapse", mechanism
+        if collapse["time"] is not None:
+            yield "time of the collapse", in_unit(collapse["time"], "time_of_peak")
+        yield "displacement reached", in_unit(collapse["displacement"], "peak_displacement")
+    for name in SCALARS:
+        value = energies.get(name, answer.get(name))
+        if value is not None:
+            place = f" ({places[name]})" if name in places else ""
+            text = in_unit(value, name, width=widths.get(name, 0.0), kind=_KIND)
+            yield VARIABLES[name].long_name, f"{text}{place}"
+    for name in ENERGIES:
+        if energies[name] is not None:
+            yield f"{VARIABLES[name].long_name}, at the end", in_unit(energies[name], name)
+    if energies["relative_balance_error"] is not None:
+        error = energies["relative_balance_error"]
+        yield "largest energy error over the input energy", f"{error:.1e}"
+    if answer.get("force"):
+        yield "largest force", in_unit(max(answer["force"], key=abs), "force")
+        for name, ladder in (answer["refinement"] or {}).get("quantities", {}).items():
+            variable = ladder["variable"]
+            if variable != name and name in widths:  # a point of known numerical uncertainty
+                value = ladder["values"]["h"]
+                yield name, in_unit(value, variable, width=widths[name], kind=_KIND)
+        yield "points of the curve", str(len(answer["force"]))
+    yield from _struck(answer)
+    shear = sorted((answer["shear_utilisation"] or {}).items(), key=lambda pair: -pair[1])
+    for segment, value in shear[:_SEGMENTS]:
+        yield f"largest V/V_pl, segment {segment}", f"{value:.3g}"
+    if len(shear) > _SEGMENTS:
+        yield f"largest V/V_pl, {len(shear) - _SEGMENTS} others", f"up to {shear[_SEGMENTS][1]:.3g}"
+
+
+def _struck(answer: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Axial forces in the members that are struck."""
+    hinges = answer["hinges"] or {}
+    for member in answer["struck"]:
+        both = [hinges.get(f"{member}:{end}", {}) for end in ("start", "end")]
+        forces = [force for hinge in both for force in hinge.get("axial_force", ())]
+        if forces:
+            ends = (in_unit(force, "axial_force", 3) for force in (min(forces), max(forces)))
+            yield f"axial force in the struck {member}, tension positive", " to ".join(ends)
+
+
 @xr.register_dataset_accessor("workbench")  # type: ignore[no-untyped-call]
 class Answered:
     """A response with its findings as objects, its numbers and its pictures.
@@ -310,7 +421,7 @@ class Answered:
         return scalars_of(self._response).get(name, nan)
 
     def _repr_html_(self) -> str:
-        values = scalars_of(self._response)
-        rows = {VARIABLES[name].long_name: in_unit(v, name) for name, v in values.items()}
-        rows |= {f"{each.subject}": str(each) for each in self.findings}
-        return html_of(self.scenario.name, rows, self.headline)
+        from workbench.report.page.documents import html_of_blocks
+
+        answer = as_object(self._response, self.scenario)
+        return html_of_blocks(*blocks_of(self._response, self.scenario.name, answer, full=True))

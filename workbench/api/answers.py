@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 import workbench.api.accessor  # noqa: F401 - gives responses their `.workbench`
-from workbench.api.accessor import compared, html_of
+from workbench.api.accessor import compared, table_blocks
 from workbench.base.errors import InputError
 from workbench.models.base import Model, ask, make_model
 from workbench.responses import Outcome, Response, findings_of, outcome_of, set_findings
@@ -223,7 +223,9 @@ class Comparison:
         return self.responses[label]
 
     def _repr_html_(self) -> str:
-        return html_of(self.scenario.name, self.table)
+        from workbench.report.page.documents import html_of_blocks
+
+        return html_of_blocks(*table_blocks(self.scenario.name, self.responses))
 
 
 def compare(

@@ -14,7 +14,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 
-from workbench.base.errors import InputError
+from workbench.base.errors import InputError, one_line
 from workbench.models.base import make_model, model_names
 from workbench.report.drawing.sheet import Drawing, Request
 from workbench.report.drawing.style import looks
@@ -25,7 +25,7 @@ from workbench.scenarios import Scenario
 from workbench.study import Case, Figure, Study
 from workbench.study.assessor import assessment_of
 
-_CASE = "scenario"
+_CASE, _TITLE = "scenario", 48  # characters, of which more would crush a panel
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class Plots:
     def drawing(self, kind: str, **options: Any) -> Drawing:
         """The drawing with its numbers and statements. Raises `InputError` if it is empty."""
         figure = Figure(kind, kind, kind, kind, options=options)
-        case = Case(self.scenario.name, self.scenario)
+        case = Case(one_line(self.scenario.name, _TITLE), self.scenario)
         what = self.scenario.KIND
         models: dict[str, Any] = {n: _model_of(r, what) for n, r in self.responses.items()}
         first = self.reference or next(iter(models))

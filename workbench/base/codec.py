@@ -70,7 +70,7 @@ def read(kind: type[Declared], tables: Mapping[str, Any], made: Made | None = No
     Values of fields that are `made` already, see `values_beside`, are taken as they are.
     """
     known: dict[str, list[str]] = {}
-    for place in _leaves(kind):
+    for place in leaves(kind):
         known.setdefault(place.table or place.key, []).extend([place.key] if place.table else [])
     check_keys(list(tables), list(known), "")
     for name in tables:
@@ -95,8 +95,8 @@ def values_beside(
     """
     made: dict[tuple[Any, str], Any] = {}
     for place in _places(kind):
-        leaves = tuple(_leaves(place.part)) if place.part else (place,)
-        alike = {leaf.table or leaf.key for leaf in leaves}.isdisjoint(varied)
+        keys = tuple(leaves(place.part)) if place.part else (place,)
+        alike = {leaf.table or leaf.key for leaf in keys}.isdisjoint(varied)
         if place.part and not alike:
             made |= values_beside(place.part, tables, varied)
         elif place.part and (_is_given(place, tables) or not place.field.metadata["optional"]):
@@ -222,10 +222,10 @@ def _written(kind: Any, entry: bool) -> list[Place]:
     return sorted(_places(kind, entry), key=lambda place: bool(getattr(place.rule, "write", None)))
 
 
-def _leaves(kind: Any) -> Iterator[Place]:
+def leaves(kind: Any) -> Iterator[Place]:
     """Places of all keys that files may have for objects of this class."""
     for place in _places(kind):
-        yield from _leaves(place.part) if place.part else (place,)
+        yield from leaves(place.part) if place.part else (place,)
 
 
 def _build(kind: Any, tables: Mapping[str, Any], entry: str = "", made: Made | None = None) -> Any:
@@ -292,7 +292,7 @@ def _put(tables: dict[str, Any], place: Place, value: Any) -> None:
 
 def _is_given(place: Place, tables: Mapping[str, Any]) -> bool:
     """Whether a file has a key of a part. Raises `InputError` where it may not have one."""
-    given = [leaf for leaf in _leaves(place.part) if leaf.among(tables)]
+    given = [leaf for leaf in leaves(place.part) if leaf.among(tables)]
     for other in place.rule.instead_of:
         if given and other in tables:
             beside = f"{given[0].key} in [{given[0].table}]"

@@ -54,7 +54,6 @@ _FILES: dict[str, tuple[Any, Any]] = {  # parameters that every verb has besides
     "decimal": (str | None, DECIMAL),
     "settings": (Names, option("Set an option by its name.", None, "OPTION=VALUE", "--set")),
 }
-_FIRST = ("calibrate", "validate", "with_shipped", "keep_good", "confidence")  # of what was asked
 
 
 def _flag(field: Field[Any]) -> str:
@@ -126,16 +125,15 @@ def _answer(
     """Read the tables, find the answer, write the reports that are asked for."""
     from workbench.studs.fit_protocol import plain
     from workbench.studs.laboratory import find
-    from workbench.studs.tables import campaigns_of
 
     question = _asked(kind, values, settings)
     targets, inputs = {}, (file, getattr(question, "points", None))
     for name in report or ():  # refused before anything is computed
         target = writable("--report", name, *FORMATS, inputs=inputs)
         targets[target.suffix.lower().removeprefix(".")] = target
-    table, head = _read(question, file, how)
+    table, told = _read(question, file, how)
     fitted, held = question.split(table)
-    head["validate"] = campaigns_of(held)
+    head = question.head(table, held, how, **told)
     written: dict[str, Path] = {}
     try:
         tables = find(question, fitted, held)
@@ -157,7 +155,7 @@ def _answer(
 def _read(
     question: Question, file: str | None, how: dict[str, Any]
 ) -> tuple[pd.DataFrame, dict[str, Any]]:
-    """The rows that a question is asked of, and what was asked."""
+    """The rows that a question is asked of, and what its head tells of them."""
     from workbench.base.datafiles import digest
     from workbench.base.tables import Reading
     from workbench.studs.schema import POINTS, TESTS, examine
@@ -166,34 +164,18 @@ def _read(
     schema = POINTS if question.on_curves else TESTS
     with_shipped = how["with_shipped"] or file is None
     parts = [shipped("stud-load-slip" if question.on_curves else "stud-push-out")] * with_shipped
-    left_out: list[str] = []
-    notes: list[str] = []
+    notes, left_out = list[str](), list[str]()
     if file is not None:
-        examination = examine(file, schema, Reading(how["sheet"], how["sep"], how["decimal"]))
-        notes += (f"{Path(file).name}: {note}" for note in examination.notes)
-        parts.append(examination.rows if how["keep_good"] else examination.accept())
-        left_out = [str(problem.error()) for problem in examination.problems]
-    table = joined(parts, unique=bool(schema.key))
-    defaults = {each.name: each.default for each in fields(question) if each.name != "points"}
-    options = dict.fromkeys(_FIRST) | how | {name: getattr(question, name) for name in defaults}
-    named = {
-        name: list(value) if isinstance(value, tuple) else value
-        for name, value in options.items()
-        if value != defaults.get(name) and (value or name in defaults)
-    }
-    return table, {
-        "fit": question.name,
+        found = examine(file, schema, Reading(how["sheet"], how["sep"], how["decimal"]))
+        notes += (f"{Path(file).name}: {note}" for note in found.notes)
+        parts.append(found.rows if how["keep_good"] else found.accept())
+        left_out += (str(problem.error()) for problem in found.problems)
+    return joined(parts, unique=bool(schema.key)), {
         "tables": [*([file] if file else []), *["shipped"] * with_shipped],
-        "calibrate": list(question.calibrate or ()),
-        "validate": [],
-        "confidence": question.confidence,
-        "options": named,
         "digest": None if file is None else digest(Path(file)),
         "rows_left_out": left_out,
         "notes": notes,
-        "roles": table["role"].value_counts().to_dict() if "role" in table else {},
-        "known_variation": getattr(question, "known_variation", None),
-    }  # fmt: skip
+    }
 
 
 def _blocks(head: dict[str, Any], tables: Tables, written: dict[str, Path]) -> Iterator[Block]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from workbench.base.errors import InputError
-from workbench.cli.output import Answer, ScenarioFile, Settings, at_work, verb, warnings
+from workbench.cli.output import Answer, ScenarioFile, Settings, at_work, verb
 from workbench.report.page.bibliography import cited
 from workbench.report.page.markdown import (
     Block,
@@ -19,6 +19,7 @@ from workbench.report.page.markdown import (
     definitions,
     paragraph,
     section,
+    warnings,
 )
 
 if TYPE_CHECKING:

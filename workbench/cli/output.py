@@ -16,13 +16,11 @@ import typer
 
 from workbench.base.datafiles import check_library, open_input
 from workbench.base.errors import InputError
-from workbench.report.page.markdown import Block, callout, paragraph
+from workbench.report.page.markdown import Block, paragraph
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-
-    from workbench.responses import Finding
 
 
 def option(text: str, default: Any = ..., metavar: str | None = None, flag: str = "") -> Any:
@@ -185,16 +183,8 @@ def pairs_of(flag: str, texts: list[str] | None, like: str = "beta=1.3") -> dict
     return pairs
 
 
-def warnings(findings: "Iterable[Finding]", source: str = "") -> Iterator[Block]:
-    """Findings as callouts; `source`, whose they are."""
-    for finding in findings:
-        yield callout("doubt", f"warning{source} ({finding.subject}): {finding}")
-
-
 @overload
 def writable(flag: str, name: str, *endings: str, inputs: Iterable[str | None] = ...) -> Path: ...
-@overload
-def writable(flag: str, name: None, *endings: str, inputs: Iterable[str | None] = ...) -> None: ...
 @overload
 def writable(
     flag: str, name: str | None, *endings: str, inputs: Iterable[str | None] = ...

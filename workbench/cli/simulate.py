@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from itertools import islice
+from functools import partial
 from math import isfinite, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,27 +31,20 @@ from workbench.cli.output import (
     pairs_of,
     processes,
     verb,
-    warnings,
     writable,
     write_answers,
 )
-from workbench.report.page.markdown import Block, Cell, Table, definitions, paragraph
+from workbench.report.page.markdown import Block, Cell, Table, paragraph, warnings
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from workbench.api.answers import Comparison
     from workbench.base.tables import Reading
     from workbench.models.base import Model
     from workbench.responses import Response
     from workbench.scenarios import Scenario
     from workbench.study.assessment.variations import Budget
     from workbench.study.limit import CriticalValue, SurvivalTrial
-
-
-_KIND = "numerical"  # what stands after ±
-_SEGMENTS = 4  # the most sheared ones, which the text names
-_ROWS = 5  # of an answer that is not shown in full
 
 
 @verb
@@ -91,7 +84,7 @@ def simulate(
     if spread and not budget:
         raise InputError("--spread", spread[0], "is for --budget")
     given = load_scenario(scenario, settings or [])
-    from workbench.api.accessor import as_object
+    from workbench.api.accessor import as_object, blocks_of, table_blocks
     from workbench.api.answers import Comparison, asked, simulate
     from workbench.responses import outcome_of
     from workbench.study.error_model.error_model import no_reference, quick_reference
@@ -118,13 +111,12 @@ def simulate(
     if model and len(model) > 1:
         objects = [as_object(each, given) for each in answers.values()]
         both = {"scenario": given.name, "models": objects}
-        return Answer(both, _table(compared), status, {"picture": picture})
+        return Answer(both, table_blocks(given.name, named), status, {"picture": picture})
     content = as_object(first, given)
-    other = named[reference] if len(named) > 1 else None
-    content["reference"] = None if other is None else as_object(other, given)
+    content["reference"] = as_object(named[reference], given) if len(named) > 1 else None
     if not model and not reference:
         content["notes"].append(no_reference(given))
-    shown = list(_blocks(first, given.name, content, full))
+    shown = list(blocks_of(first, given.name, content, full))
     if errors is not None:
         from workbench.report.chapters.budgets import simulated
         from workbench.study.assessment.variations import RATED, STATIC
@@ -178,125 +170,6 @@ def timed(scenario: Scenario, model: Model | None = None, **options: Any) -> Res
         else:
             response.attrs["compiled"] = 1
     return response
-
-
-def time_of(response: Response) -> Cell:
-    """The wall time of an answer, unless compilation may be a part of it."""
-    from workbench.report.page.formatting import duration
-
-    if "compiled" in response.attrs:
-        return Cell("compiled")
-    return Cell(duration(response.attrs["wall_time"]), response.attrs["wall_time"])
-
-
-def _table(compared: Comparison) -> Iterator[Block]:
-    """Several answers as one table, their warnings below."""
-    from workbench.api.accessor import TABLED, fate_of
-    from workbench.report.page.formatting import quantities
-    from workbench.responses import error_of, findings_of
-
-    columns = {
-        "model": "model",
-        "fate": lambda row: fate_of(compared[row["model"]]),
-        **quantities(*TABLED),
-        "error of the peak": lambda row: str(error_of(compared[row["model"]])),
-        "wall time": lambda row: time_of(compared[row["model"]]),
-    }
-    yield Table.of("models", compared.scenario.name, columns, compared.table)
-    for label, response in compared.responses.items():
-        findings = sorted(findings_of(response), key=lambda finding: not finding.refusal)
-        yield from warnings(findings, f" of {label}")
-
-
-def _blocks(response: Response, name: str, answer: dict[str, Any], full: bool) -> Iterator[Block]:
-    from workbench.report.page.formatting import in_unit
-    from workbench.responses import PEAK, error_of, warnings_of
-
-    yield paragraph(f"{name}: {answer['headline']}")
-    if answer["message"]:
-        yield paragraph(answer["message"])
-    rows, other = [*_lines(answer), ("wall time", time_of(response).text)], answer["reference"]
-    if answer["rate_factor"] is not None:
-        text = f"{answer['rate_factor']:.3g} times the static one by strain rate, at the hinges"
-        rows.insert(1, ("yield stress", text))
-    if other is not None:
-        value, width = other[PEAK], (other["numerical_uncertainty"] or {}).get(PEAK, 0.0)
-        known = "" if value is None else f", {in_unit(value, PEAK, width=width, kind=_KIND)}"
-        rows.insert(1, (f"by {other['model']}, a reference", f"{other['outcome']}{known}"))
-    yield definitions(tuple(rows if full else islice(rows, _ROWS)))
-    error = error_of(response)
-    if error.collapse is not None or error.expected is not None:
-        yield paragraph(f"Error of the peak displacement: {error}.")
-    elif answer[PEAK] is not None and error.high is None:
-        yield paragraph(f"No interval of the peak displacement: {error.reason}.")
-    for note in answer["notes"]:
-        yield paragraph(f"Note: {note}.")
-    yield from warnings(warnings_of(response))
-    if len(rows) > _ROWS and not full:
-        yield paragraph(f"{len(rows) - _ROWS} more numbers with --full.")
-
-
-def _lines(answer: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """The numbers of a response with their names, units and numerical uncertainty."""
-    from workbench.report.page.formatting import in_unit
-    from workbench.responses import ENERGIES, SCALARS, VARIABLES
-
-    widths, places = answer["numerical_uncertainty"] or {}, answer["places"]
-    energies, collapse = answer["energies"], answer["collapse"]
-    if collapse:
-        yield (
-            "mechanism of the collapse",
-            f"{collapse['mechanism']} ({', '.join(collapse['parts'])})",
-        )
-        if collapse["time"] is not None:
-            yield "time of the collapse", in_unit(collapse["time"], "time_of_peak")
-        yield "displacement reached", in_unit(collapse["displacement"], "peak_displacement")
-    for name in SCALARS:
-        value = energies.get(name, answer.get(name))
-        if value is not None:
-            place = f" ({places[name]})" if name in places else ""
-            text = in_unit(value, name, width=widths.get(name, 0.0), kind=_KIND)
-            yield VARIABLES[name].long_name, f"{text}{place}"
-    for name in ENERGIES:
-        if energies[name] is not None:
-            yield f"{VARIABLES[name].long_name}, at the end", in_unit(energies[name], name)
-    if energies["relative_balance_error"] is not None:
-        error = energies["relative_balance_error"]
-        yield "largest energy error over the input energy", f"{error:.1e}"
-    if answer.get("force"):
-        yield "largest force", in_unit(max(answer["force"], key=abs), "force")
-        yield from _points(answer, widths)
-        yield "points of the curve", str(len(answer["force"]))
-    yield from _struck(answer)
-    shear = sorted((answer["shear_utilisation"] or {}).items(), key=lambda pair: -pair[1])
-    for segment, value in shear[:_SEGMENTS]:
-        yield f"largest V/V_pl, segment {segment}", f"{value:.3g}"
-    if len(shear) > _SEGMENTS:
-        yield f"largest V/V_pl, {len(shear) - _SEGMENTS} others", f"up to {shear[_SEGMENTS][1]:.3g}"
-
-
-def _points(answer: dict[str, Any], widths: dict[str, float]) -> Iterator[tuple[str, str]]:
-    """Points of a static curve whose numerical uncertainty is known."""
-    from workbench.report.page.formatting import in_unit
-
-    for name, ladder in (answer["refinement"] or {}).get("quantities", {}).items():
-        variable = ladder["variable"]
-        if variable != name and name in widths:
-            value = ladder["values"]["h"]
-            yield name, in_unit(value, variable, width=widths[name], kind=_KIND)
-
-
-def _struck(answer: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Axial forces in the members that are struck."""
-    from workbench.report.page.formatting import in_unit
-
-    hinges = answer["hinges"] or {}
-    for member in answer["struck"]:
-        both = [hinges.get(f"{member}:{end}", {}) for end in ("start", "end")]
-        forces = [force for hinge in both for force in hinge.get("axial_force", ())]
-        if forces:
-            ends = (in_unit(force, "axial_force", 3) for force in (min(forces), max(forces)))
-            yield f"axial force in the struck {member}, tension positive", " to ".join(ends)
 
 
 def _budgeted(
@@ -375,8 +248,7 @@ def sweep(
     with at_work("the sweep at work"):
         how = Reading(sheet, sep, decimal)
         rows_of_cases, notes = (None, ()) if cases is None else _cases(cases, how)
-        varied = None if cases else values
-        answers = swept(given, varied, model or (), count, cases=rows_of_cases)
+        answers = swept(given, None if cases else values, model or (), count, cases=rows_of_cases)
     table = answers.to_dataframe().reset_index()
     if target is not None:
         write_answers(target, table, answers)
@@ -388,12 +260,11 @@ def sweep(
     rows = plain_rows(table)
     outcomes = table["outcome"].value_counts()
     keys = [str(key) for key in (values if rows_of_cases is None else rows_of_cases)]
-    content: dict[str, Any] = {"scenario": given.name, "over": keys, "answers": rows}
-    content["notes"] = list(notes)
+    content = {"scenario": given.name, "over": keys, "answers": rows, "notes": list(notes)}
     answered = int(outcomes.get("ok", 0)) + int(outcomes.get("collapse", 0)) == len(rows)
     for key in keys:
         if answers[key].attrs["units"] == "rad":
-            table[key] = [_text(value, "rad") for value in table[key]]
+            table[key] = [told(value, "rad") for value in table[key]]
     shown = [*map(paragraph, notes), *_answers(given.name, keys, table)]
     return Answer(content, shown, int(not answered), {"table": target, "picture": picture})
 
@@ -502,7 +373,7 @@ def limit(
     from workbench.study.limit import find_limit
 
     unit = unit_at(checked[0], over)
-    ends = tuple(_in_si(over, value, unit) for value in values)
+    ends = _in_si(over, values[0], unit), _in_si(over, values[1], unit)
     if ends[0] == ends[1]:
         raise InputError("--to", ends[1], "must be another value than --from")
     with at_work("the search of the limit at work") as say:
@@ -510,10 +381,9 @@ def limit(
         models = [make_model(each, pairs_of("--option", options)) for each in names]
 
         def follow(trial: SurvivalTrial) -> None:
-            say(f"{_text(trial.value, unit)}: {_ENDINGS[trial.survives].text}")
+            say(f"{told(trial.value, unit)}: {_ENDINGS[trial.survives].text}")
 
-        bounds = (ends[0], ends[1])
-        limits = [find_limit(each, scenario_at, bounds, tolerance, follow) for each in models]
+        limits = [find_limit(each, scenario_at, ends, tolerance, follow) for each in models]
     content = {
         "scenario": checked[0].name,
         "over": over,
@@ -543,9 +413,9 @@ def _meaning(limit: CriticalValue, ends: tuple[float, ...], unit: str) -> str:
 
     low, high = limit.survives_at, limit.collapses_at
     if high is None:
-        text = f"no collapse up to {_text(ends[1], unit)}" if limit.settled else "no collapse found"
+        text = f"no collapse up to {told(ends[1], unit)}" if limit.settled else "no collapse found"
     elif low is None:
-        text = f"collapses already at {_text(high, unit)}" if limit.settled else "no survival found"
+        text = f"collapses already at {told(high, unit)}" if limit.settled else "no survival found"
     else:
         text = "turns from survival to collapse between the two"
     if any(each.subject == ECCENTRIC for each in limit.warnings):
@@ -559,11 +429,14 @@ def _meaning(limit: CriticalValue, ends: tuple[float, ...], unit: str) -> str:
 def _limits(
     name: str, over: str, unit: str, limits: list[CriticalValue], meanings: list[str]
 ) -> Iterator[Block]:
+    from workbench.report.page.formatting import valued
+
+    said = partial(told, unit=unit)
     yield paragraph(f"{name}: limit of {over}{unit and f' in {unit}'}")
     columns = {
         "model": lambda row: row[0].model,
-        "survives at": lambda row: _value(row[0].survives_at, unit),
-        "collapses at": lambda row: _value(row[0].collapses_at, unit),
+        "survives at": lambda row: valued(row[0].survives_at, said),
+        "collapses at": lambda row: valued(row[0].collapses_at, said),
         "tried": lambda row: len(row[0].trials),
         "what that means": lambda row: row[1],
     }
@@ -572,7 +445,7 @@ def _limits(
         yield from warnings(each.warnings, f" of {each.model} there")
     tried = {
         "model": lambda row: row[0],
-        over: lambda row: _value(row[1].value, unit),
+        over: lambda row: valued(row[1].value, said),
         "outcome": lambda row: _ENDINGS[row[1].survives],
         "how": lambda row: _how(row[1]),
     }
@@ -580,15 +453,11 @@ def _limits(
     yield Table.of("tried", "Every value tried.", tried, rows)
 
 
-def _text(value: float, unit: str) -> str:
+def told(value: float, unit: str) -> str:
     """A value with its SI unit; a velocity in km/h too, an angle in degrees."""
     factor, other = {"m/s": (3.6, "km/h"), "rad": (180.0 / pi, "deg")}.get(unit, (1.0, ""))
     beside = f" ({factor * value:.4g} {other})" if other else ""
     return f"{value:.6g}{unit and f' {unit}'}{beside}"
-
-
-def _value(value: float | None, unit: str) -> Cell | None:
-    return None if value is None else Cell(_text(value, unit), value)
 
 
 def _how(trial: SurvivalTrial) -> str:

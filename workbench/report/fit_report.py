@@ -157,12 +157,8 @@ def _figures(tables: Tables) -> Iterator[Drawn]:
         panel = moved["of"].where(~several, moved["of"] + ", " + moved["answer"])
         panels = {str(name): rows for name, rows in moved.groupby(panel, sort=False)}
         caption = "Change of the answer when one test is left out, all else kept."
-        yield (
-            "influence",
-            "Influence of single tests",
-            caption,
-            drawn(stud_figures.influence, panels),
-        )
+        drawing = drawn(stud_figures.influence, panels)
+        yield "influence", "Influence of single tests", caption, drawing
 
 
 def _of(tables: Tables, name: str) -> Tables:

@@ -16,13 +16,7 @@ from workbench.base.errors import InputError
 from workbench.base.fields import Number
 from workbench.responses import Finding, finding
 from workbench.studs.damaged import damaged_rows, predicted_references
-from workbench.studs.fit_protocol import (
-    Fit,
-    Tables,
-    answer_of,
-    ranked,
-    stacked,
-)
+from workbench.studs.fit_protocol import Fit, Tables, answer_of, ranked, stacked
 from workbench.studs.formulas import SHEAR_MODELS, Formula, fit_factors, strength_formula
 from workbench.studs.interaction import fit_interaction
 from workbench.studs.load_slip import LAWS, fit_load_slip

@@ -8,7 +8,8 @@ is imported to ask.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from workbench.base.errors import InputError
@@ -55,6 +56,33 @@ class Question(Declared):
         calibrate, validate = self.calibrate or (), self.validate or ()
         check_campaigns((*calibrate, *validate), table)
         return split_table(table, calibrate, validate)
+
+    def head(
+        self, table: pd.DataFrame, held: pd.DataFrame, how: Mapping[str, Any], **told: Any
+    ) -> dict[str, Any]:
+        """Head of an answer and its report: what was asked of a `table` with rows `held` out.
+
+        `how`: options beside its own; `told`: its `tables`, `digest`, `rows_left_out`, `notes`.
+        """
+        from workbench.studs.tables import campaigns_of
+
+        defaults = {each.name: each.default for each in fields(self) if each.name != "points"}
+        options = {name: getattr(self, name) for name in defaults} | dict(how)
+        named = {
+            name: list(value) if isinstance(value, tuple) else value
+            for name, value in options.items()
+            if value != defaults.get(name) and (value or name in defaults)
+        }
+        return {
+            "fit": self.name,
+            "calibrate": list(self.calibrate or ()),
+            "validate": campaigns_of(held),
+            "confidence": self.confidence,
+            "options": named,
+            "roles": table["role"].value_counts().to_dict() if "role" in table else {},
+            "known_variation": getattr(self, "known_variation", None),
+            **told,
+        }
 
 
 @dataclass(frozen=True)

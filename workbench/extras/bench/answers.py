@@ -17,9 +17,9 @@ from workbench.base.datafiles import open_input, own_data_directory
 from workbench.base.errors import InputError
 from workbench.base.fields import Number, did_you_mean
 from workbench.base.tables import read_cells
-from workbench.extras.intake.conversion import convert, find
+from workbench.extras.intake.conversion import convert, examined_from, find
 from workbench.extras.intake.mapping import Mapping
-from workbench.studs.schema import Row, RowFinding, TableSchema, declared, examined, known
+from workbench.studs.schema import Row, RowFinding, TableSchema, declared, known
 from workbench.study.store import own_directory, write_atomically
 from workbench.study.tables import csv_bytes
 
@@ -70,7 +70,7 @@ def read_answers(path: Path, cases: Collection[str], name: str = "") -> pd.DataF
     open_input(path, path.name, LARGEST).close()
     table = TableSchema("answers", _COLUMNS, rules=partial(_contradictions, cases))
     cells = read_cells(path, lambda text: find(text, table) is not None)
-    rows = examined(convert(cells, table, Mapping(), {}).cells, table).accept()
+    rows = examined_from(convert(cells, table, Mapping(), {}), table).accept()
     twice = rows[rows.duplicated(["case", "model"])]
     if len(twice):
         who = ", ".join(filter(None, twice.iloc[0][["case", "model"]]))

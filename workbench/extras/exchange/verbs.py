@@ -16,10 +16,9 @@ from workbench.cli.output import (
     option,
     pairs_of,
     verb,
-    warnings,
     writable,
 )
-from workbench.report.page.markdown import Block, paragraph
+from workbench.report.page.markdown import Block, paragraph, warnings
 
 
 class ExportFormat(NamedTuple):

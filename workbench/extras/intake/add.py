@@ -19,11 +19,10 @@ from workbench.base.datafiles import data_directory, own_data_directory
 from workbench.base.errors import InputError
 from workbench.base.tables import FOUND_OUT, Reading, read_cells
 from workbench.extras.intake.answers import check_new, held
-from workbench.extras.intake.conversion import Converted, convert
+from workbench.extras.intake.conversion import convert, examined_from
 from workbench.extras.intake.kinds import KINDS, Kind, kind_of, names_column, rows_of
 from workbench.extras.intake.mapping import Mapping, check_stated, read_mapping
 from workbench.scenarios import Scenario, to_toml
-from workbench.studs.schema import Examination, TableSchema, examined
 from workbench.study.store import locked, write_atomically
 from workbench.study.tables import for_spreadsheets
 
@@ -88,7 +87,7 @@ def add_table(
     if which == ANSWERS and scenario is None:
         raise InputError(path.name, None, "answers no scenario", "see workbench data add-answer")
     converted = convert(cells, KINDS[which].table, statements, _common(statements, KINDS[which]))
-    found = _examined(converted, KINDS[which].table)
+    found = examined_from(converted, KINDS[which].table)
     rows, notes = found.accept(), (*converted.notes, *found.notes[len(cells.notes) :])
     entry = _entry(path, which, statements, rows, notes)
     entry = replace(entry, name=_name(name or statements.name, path), folder=str(folder))
@@ -130,18 +129,6 @@ def _common(statements: Mapping, kind: Kind) -> dict[str, str]:
     given["year"] = None if statements.year is None else str(statements.year)
     known = set(kind.table.names)
     return {name: cell for name, cell in given.items() if cell is not None and name in known}
-
-
-def _examined(converted: Converted, table: TableSchema) -> Examination:
-    """The rows; a bad cell is named by the column of the file that it came from."""
-    found = examined(converted.cells, table)
-    problems = tuple(
-        replace(problem, column=f"{problem.column} (from {converted.origin[problem.column]})")
-        if problem.column in converted.origin
-        else problem
-        for problem in found.problems
-    )
-    return replace(found, problems=problems)
 
 
 def _entry(

@@ -9,14 +9,22 @@ closed list per quantity, each with its value in SI.
 import re
 from collections.abc import Iterator
 from collections.abc import Mapping as Dictionary
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from workbench.base.errors import InputError
 from workbench.base.fields import Number, did_you_mean
 from workbench.base.tables import Cells, text_of
 from workbench.extras.intake.mapping import Mapping
-from workbench.studs.schema import EXTRA, CellProblem, TableColumn, TableSchema, width_findings
+from workbench.studs.schema import (
+    EXTRA,
+    CellProblem,
+    Examination,
+    TableColumn,
+    TableSchema,
+    examined,
+    width_findings,
+)
 
 _BRACKETS = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]+)[\])]")
 _PURE = {"": 1.0, "-": 1.0, "1": 1.0, "%": 0.01}  # units of what has no dimension
@@ -43,12 +51,14 @@ class ColumnMapping(NamedTuple):
 class Converted:
     """A table as `cells` of a schema, on the lines that it had; `notes` say what was changed.
 
-    `origin` gives the name in the table, with its unit, of columns that were converted or renamed.
+    `origin` gives the name in the table, with its unit, of columns that were converted or renamed;
+    `problems`, rows that have not as many cells as the header, which are left out.
     """
 
     cells: Cells
     origin: dict[str, str]
     notes: tuple[str, ...]
+    problems: tuple[CellProblem, ...]
 
 
 def find(name: str, table: TableSchema) -> ColumnMapping | None:
@@ -92,11 +102,11 @@ def convert(
     taken = {place.target for place in places if place} | set(fixed)
     fixed |= {name: cell for name, cell in constants.items() if name not in taken}
     header = [place.target for place in places if place] + list(fixed)
-    converted = [(cells.rows[0][0], header)]
+    converted, problems = [(cells.rows[0][0], header)], list[CellProblem]()
     for line, texts in rows:
-        wrong = width_findings(texts, len(places))
-        if wrong:
-            raise CellProblem(name, line, *wrong[0]).error()
+        if wrong := width_findings(texts, len(places)):
+            problems.append(CellProblem(name, line, *wrong[0]))
+            continue
         values = [
             _cell(text, place.factor, mapping.missing, cells)
             for text, place in zip(texts, places, strict=True)
@@ -104,7 +114,20 @@ def convert(
         ]
         converted.append((line, values + list(fixed.values())))
     origin, changes = _changes(filter(None, places), mapping)
-    return Converted(cells._replace(rows=converted), origin, (*cells.notes, *changes))
+    kept, notes = cells._replace(rows=converted), (*cells.notes, *changes)
+    return Converted(kept, origin, notes, tuple(problems))
+
+
+def examined_from(converted: Converted, table: TableSchema) -> Examination:
+    """The rows; a bad cell is named by the column of the file that it came from."""
+    if converted.problems and len(converted.cells.rows) == 1:
+        raise converted.problems[0].error()
+    found, problems = examined(converted.cells, table), list(converted.problems)
+    for problem in found.problems:
+        column, origin = problem.column, converted.origin.get(problem.column)
+        problems.append(replace(problem, column=f"{column} (from {origin})" if origin else column))
+    problems.sort(key=lambda problem: problem.line)
+    return replace(found, problems=tuple(problems))
 
 
 def place_of(name: str, table: TableSchema, mapping: Mapping, field: str) -> ColumnMapping | None:

@@ -18,7 +18,7 @@ from workbench.base.errors import InputError
 from workbench.base.fields import Choice, did_you_mean
 from workbench.base.tables import FOUND_OUT, Reading, read_cells
 from workbench.extras.intake.answers import NOT_KNOWN, SERIES, held
-from workbench.extras.intake.conversion import convert, find
+from workbench.extras.intake.conversion import convert, examined_from, find
 from workbench.extras.intake.impact_tests import IMPACTS
 from workbench.extras.intake.impact_tests import plausibility as of_impacts
 from workbench.extras.intake.mapping import Mapping
@@ -107,10 +107,11 @@ def check_file(path: Path, how: Reading = FOUND_OUT) -> tuple[list[str], list[st
     names = set(cells.header)
     columns = {each.column.name for n in names if (each := find(n, IMPACTS)) and each.column}
     if {"span_m", "velocity_m_per_s"} <= columns:
-        kind, cells = KINDS[IMPACT_TESTS], convert(cells, IMPACTS, Mapping(), {}).cells
+        kind = KINDS[IMPACT_TESTS]
+        found = examined_from(convert(cells, IMPACTS, Mapping(), {}), IMPACTS)
     else:
         kind = KINDS[STUD_POINTS if {"slip_mm", "load_kN"} <= names else STUD_TESTS]
-    found = examined(cells, kind.table)
+        found = examined(cells, kind.table)
     problems = [str(problem.error()) for problem in found.problems]
     doubts = [each.text for each in kind.suspicions(found.rows)]
     return problems, doubts, list(found.notes)

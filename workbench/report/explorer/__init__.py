@@ -385,7 +385,8 @@ def _controls(groups: Sequence[str], axes: Sequence[dict[str, Any]]) -> UIElemen
     return column(*parts, _select("case", "case", []), walk, sizing_mode="stretch_width")
 
 
-def _figure(name: str, across: str, upward: str, height: int, **more: Any) -> figure:
+def new_plot(name: str, across: str, upward: str, height: int, **more: Any) -> figure:
+    """An empty plot in the look of the reports, with titles of its axes."""
     plot = figure(
         name=name,
         height=height,
@@ -396,7 +397,7 @@ def _figure(name: str, across: str, upward: str, height: int, **more: Any) -> fi
         active_drag=None,  # a finger scrolls the page
         **more,
     )
-    plot.toolbar.logo = None
+    plot.toolbar.logo, plot.toolbar.autohide = None, True
     plot.outline_line_color = None
     plot.grid.grid_line_color = GRID
     plot.axis.axis_line_color = plot.axis.major_tick_line_color = MUTED
@@ -406,13 +407,14 @@ def _figure(name: str, across: str, upward: str, height: int, **more: Any) -> fi
     return plot
 
 
-def _empty(name: str, *columns: str) -> ColumnDataSource:
+def empty_source(name: str, *columns: str) -> ColumnDataSource:
+    """A source without rows, by which a page finds what it draws."""
     return ColumnDataSource(name=name, data={column: [] for column in columns})
 
 
 def _lines(plot: figure, name: str, **more: Any) -> Any:
     looks: dict[str, Any] = {"line_color": "color", "line_width": "width", "line_dash": "dash"}
-    source = _empty(name, "x", "y", "label", *looks.values())
+    source = empty_source(name, "x", "y", "label", *looks.values())
     return plot.multi_line("x", "y", **looks, line_join="round", source=source, **more)
 
 
@@ -427,15 +429,15 @@ def titled(named: tuple[str, str, float]) -> str:
 
 def _history(plane: Plane, moves: bool) -> UIElement:
     across, upward = plane.across, plane.upward
-    plot = _figure("history-plot", titled(across), titled(upward), 340)
-    band = _empty("band", "x", "y", "color")
+    plot = new_plot("history-plot", titled(across), titled(upward), 340)
+    band = empty_source("band", "x", "y", "color")
     plot.patches("x", "y", fill_color="color", fill_alpha=0.3, line_color=None, source=band)
     lines = _lines(plot, "lines")
-    ends = _empty("ends", "x", "y", "color")
+    ends = empty_source("ends", "x", "y", "color")
     crosses = plot.scatter(
         "x", "y", color="color", marker="x", size=11, line_width=2.4, source=ends
     )
-    plot.scatter("x", "y", color="color", size=7, source=_empty("dots", "x", "y", "color"))
+    plot.scatter("x", "y", color="color", size=7, source=empty_source("dots", "x", "y", "color"))
     plot.x_range = DataRange1d(renderers=[lines, crosses], range_padding=0.0)
     plot.y_range = DataRange1d(renderers=[lines, crosses], range_padding=0.06)
     _cursor(plot, "cursor")
@@ -458,13 +460,13 @@ def _history(plane: Plane, moves: bool) -> UIElement:
 
 
 def _shape() -> UIElement:
-    plot = _figure("shape-plot", "m", "m", 380, match_aspect=True)
-    rest = _empty("rest", "x", "y")
+    plot = new_plot("shape-plot", "m", "m", 380, match_aspect=True)
+    rest = empty_source("rest", "x", "y")
     plot.multi_line("x", "y", line_color=REST, line_width=1.5, source=rest)
-    box = plot.scatter("x", "y", alpha=0.0, source=_empty("box", "x", "y"))
+    box = plot.scatter("x", "y", alpha=0.0, source=empty_source("box", "x", "y"))
     plot.x_range = DataRange1d(renderers=[box], range_padding=0.12)
     plot.y_range = DataRange1d(renderers=[box], range_padding=0.12)
-    held = _empty("held", "x", "y", "marker")
+    held = empty_source("held", "x", "y", "marker")
     looks: dict[str, Any] = {
         "fill_color": "white",
         "line_color": MUTED,
@@ -473,10 +475,10 @@ def _shape() -> UIElement:
     }
     plot.scatter("x", "y", marker="marker", source=held, **looks)
     _lines(plot, "shapes")
-    hinges = _empty("hinges", "x", "y", "color")
+    hinges = empty_source("hinges", "x", "y", "color")
     plot.scatter("x", "y", fill_color="color", line_color=INK, size=9, source=hinges)
     tip = VeeHead(size=10, fill_color=INK, line_color=INK)
-    hit = _empty("hit", "x_start", "y_start", "x_end", "y_end")
+    hit = empty_source("hit", "x_start", "y_start", "x_end", "y_end")
     plot.add_layout(Arrow(end=tip, line_color=INK, line_width=2, source=hit))
     scales = [("", "so that they are seen"), *((s, f"× {s}") for s in _SCALES)]
     times = _select("times", "displacements drawn", scales)
@@ -484,9 +486,9 @@ def _shape() -> UIElement:
 
 
 def _energy() -> UIElement:
-    plot = _figure("energy-plot", "time (ms)", "energy (kJ)", 340)
+    plot = new_plot("energy-plot", "time (ms)", "energy (kJ)", 340)
     names = [name for name, _, _ in PARTS]
-    source = _empty("energy", "t", "brought", *names)
+    source = empty_source("energy", "t", "brought", *names)
     areas = plot.varea_stack(names, x="t", color=[color for *_, color in PARTS], source=source)
     line = plot.line("t", "brought", line_color=INK, line_dash="dashed", source=source)
     plot.x_range = DataRange1d(range_padding=0.0)
@@ -502,7 +504,7 @@ def _energy() -> UIElement:
 def _sweep(plane: Plane, moves: bool, axes: Sequence[dict[str, Any]]) -> UIElement:
     main = next(iter(plane.numbers.values()))
     kinds = [("error", f"error of the {main[0]}"), ("main", main[0])]
-    plot = _figure("sweep-plot", "", "", 320)
+    plot = new_plot("sweep-plot", "", "", 320)
     looks: dict[str, Any] = {
         "line_color": "color",
         "fill_color": "fill",
@@ -510,13 +512,13 @@ def _sweep(plane: Plane, moves: bool, axes: Sequence[dict[str, Any]]) -> UIEleme
         "marker": "marker",
     }
     looks |= {"alpha": "alpha", "line_width": "width"}
-    source = _empty("points", "x", "y", "label", "case", *looks.values())
+    source = empty_source("points", "x", "y", "label", "case", *looks.values())
     points = plot.scatter("x", "y", source=source, **looks)
-    ring = _empty("ring", "x", "y")
+    ring = empty_source("ring", "x", "y")
     plot.scatter("x", "y", size=16, fill_color=None, line_color=INK, line_width=1.5, source=ring)
     tips = [("", "@label"), ("case", "@case"), (main[0], "@y{0.00}")]
     plot.add_tools(TapTool(renderers=[points]), HoverTool(renderers=[points], tooltips=tips))
-    plot.hspan("y", line_color=MUTED, line_dash="dash", source=_empty("bounds", "y", "dash"))
+    plot.hspan("y", line_color=MUTED, line_dash="dash", source=empty_source("bounds", "y", "dash"))
     plot.x_range = DataRange1d(renderers=[points], range_padding=0.08)
     plot.y_range = DataRange1d(renderers=[points], range_padding=0.08)
     plot.xaxis.ticker = FixedTicker(ticks=[])

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
@@ -41,7 +42,8 @@ class Document:
 
     Its figures and tables get their numbers in the order in which they are read; `pictures` are
     what stands in its figures, by key. `beside` are files in its folder that a screen links to,
-    each with what it is. `on_paper`: without what is folded, which its last line names.
+    each with what it is. `on_paper`: without what is folded, which its last line names. The PDF has
+    the `layout` of a report, or of a sheet, which is one page and as small as that takes.
     """
 
     title: str
@@ -51,6 +53,7 @@ class Document:
     pictures: Mapping[str, Picture] = field(default_factory=dict)
     beside: tuple[tuple[str, str], ...] = ()
     on_paper: bool = False
+    layout: str = "report"
 
     @cached_property
     def sections(self) -> tuple[Block, ...]:
@@ -122,6 +125,14 @@ def render_html(document: Document) -> str:
     )
 
 
+def html_of_blocks(*blocks: Any) -> str:
+    """HTML of blocks within another page: tables do not sort, terms stand beside their texts."""
+    document = Document("", "", (), Markdown().join(blocks))
+    text = _Html(document).blocks(document.sections, 3)
+    text = text.replace("<dl>", '<dl style="display: grid; grid-template-columns: auto 1fr">')
+    return re.sub(r'</?button[^>]*>| aria-sort="none"', "", text)
+
+
 def render_markdown(document: Document) -> str:
     """Markdown text of a document as git hosts show it; its facts stand at the foot.
 
@@ -171,7 +182,7 @@ def typst_source(document: Document) -> str:
         works.insert(0, 'heading(level: 1, "References")')
     return "\n".join(
         (
-            '#import "report.typ": *',
+            f'#import "{document.layout}.typ": *',
             f"#show: report.with(title: {title}, subtitle: {subtitle}, facts: {facts})",
             "#{",
             *(*parts[:1], "contents", *parts[1:], *works),

@@ -12,7 +12,7 @@ printed. Code between backticks, ``[@key]`` and ``[#key]`` are understood in val
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -72,6 +72,12 @@ def bullets(items: Iterable[object]) -> Markdown:
 def callout(tone: str, text: object) -> Markdown:
     """A text that must not be overlooked; `tone` is good, bad, doubt or note."""
     return _apart(f"> [!{tone}] {line(text)}")
+
+
+def warnings(findings: Iterable[Any], source: str = "") -> Iterator[Block]:
+    """Findings as callouts; `source`, whose they are."""
+    for finding in findings:
+        yield callout("doubt", f"warning{source} ({finding.subject}): {finding}")
 
 
 def definitions(pairs: Iterable[tuple[str, object]]) -> Markdown:
