@@ -5,9 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-import os
 import re
-import shutil
 import subprocess
 from base64 import b64decode
 from dataclasses import dataclass, replace
@@ -18,6 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 from builders import made_once
+from chromium import browser_program
 from hypothesis import given
 from hypothesis import strategies as st
 from synthetic_study import Synthetic, columns, shared_store_of
@@ -37,8 +36,6 @@ from workbench.study import Case, Study
 from workbench.study.assessor import Assessment, read_assessment
 
 pytestmark = pytest.mark.thorough
-
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 
 
 def unpacked(kept, width=1):
@@ -312,14 +309,6 @@ def test_curves_of_probability_are_explored_by_velocity_and_limit(curves_page):
 # What follows needs a browser: the pages drive themselves in frames of two widths.
 
 
-def browser() -> str:
-    wanted = os.environ.get("WORKBENCH_BROWSER", "")
-    result = next(filter(None, map(shutil.which, [wanted] if wanted else BROWSERS)), None)
-    if result is None:
-        pytest.skip("no chromium or chrome: set WORKBENCH_BROWSER to one")
-    return result
-
-
 FIRST = """<script>window.noted = [];
 addEventListener("error", (event) => noted.push(String(event.message)));
 addEventListener("unhandledrejection", (event) => noted.push(String(event.reason)));
@@ -342,7 +331,7 @@ addEventListener("message", (event) => {{
 @pytest.fixture(scope="module")
 def driven(page, frame_page, curves_page, tmp_path_factory) -> list[dict[str, Any]]:
     """What the driver found on the columns at 1400 and at 390 px, on the frames, on the curves."""
-    program = browser()
+    program = browser_program()
 
     def drive(directory: Path) -> None:
         directory.mkdir(parents=True)
@@ -588,7 +577,7 @@ def test_a_phone_shows_all_columns_of_the_matrix_and_of_the_verdicts(page, built
     around.write_text(AROUND.format(frames=frames), encoding="utf-8")
     flags = ["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=20000"]
     found = subprocess.run(
-        [browser(), *flags, "--dump-dom", around.as_uri()],
+        [browser_program(), *flags, "--dump-dom", around.as_uri()],
         check=True,
         capture_output=True,
         text=True,
