@@ -56,6 +56,7 @@ benchmarks: .venv/ready
 	$(BIN)/python benchmarks/batches.py
 	$(BIN)/python benchmarks/growth.py
 	$(BIN)/python benchmarks/frames.py
+	$(BIN)/python benchmarks/page.py
 
 .venv/ready: requirements.lock pyproject.toml
 	@$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11))" \
@@ -68,7 +69,7 @@ benchmarks: .venv/ready
 # Renew the pins: needs pip-tools.
 lock:
 	pip-compile --quiet --strip-extras --generate-hashes --allow-unsafe --no-header --no-annotate \
-	  --no-emit-index-url --no-emit-find-links --extra test --extra lint --extra build \
+	  --no-emit-index-url --no-emit-find-links --extra app --extra test --extra lint --extra build \
 	  --output-file requirements.lock pyproject.toml
 
 	pip-compile --quiet --strip-extras --generate-hashes --allow-unsafe --no-header --no-annotate \

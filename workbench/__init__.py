@@ -44,13 +44,21 @@ def __getattr__(name: str) -> Any:
     if name == "hit":  # the name until 0.1, kept for one release
         warnings.warn("wb.hit is called wb.impact now", DeprecationWarning, stacklevel=2)
         name = "impact"
-    if name not in _ROOMS:
+    if name in _ROOMS:
+        value = getattr(import_module(f"workbench.{_ROOMS[name]}"), name)
+    elif name in (offers := _offers()):
+        value = offers[name].load()
+    else:
         raise AttributeError(f"module 'workbench' has no attribute {name!r}")
-    value = getattr(import_module(f"workbench.{_ROOMS[name]}"), name)
     globals()[name] = value
     return value
 
 
+def _offers() -> dict[str, Any]:
+    """Names that companions add, by entry points."""
+    return {each.name: each for each in import_module("workbench.base.offered").offered("names")}
+
+
 def __dir__() -> list[str]:
     """All public names, for completion."""
-    return sorted({*globals(), *_ROOMS})
+    return sorted({*globals(), *_ROOMS, *_offers()})

@@ -14,7 +14,16 @@ from workbench.scenarios import ColumnImpact, ColumnPushover, to_toml
 
 HEAVY = (
     *("numpy", "scipy", "numba", "xarray", "pandas", "matplotlib", "rich", "typst", "bokeh"),
-    *("jinja2", "pydantic", "waitress", "workbench.models", "workbench.scenarios"),
+    *(
+        "jinja2",
+        "pydantic",
+        "waitress",
+        "panel",
+        "tornado",
+        "pebble",
+        "workbench.models",
+        "workbench.scenarios",
+    ),
     "workbench.studs",
 )
 NOT_ASKED = (  # of an answer
@@ -77,6 +86,7 @@ def test_help_imports_nothing_heavy() -> None:
         "sensitivity",
         "rare",
         "serve",
+        "app",
         "bench",
         "run",
         "status",
@@ -88,6 +98,8 @@ def test_help_imports_nothing_heavy() -> None:
     ):
         assert f"\n  {verb}" in text
     assert "..." not in text.partition("Commands:")[2]
+    page = [name for name in HEAVY if name != "pydantic"]  # which typer takes for a verb
+    assert "--no-browser" in unasked(tuple(page), "app", "--help")
 
 
 @pytest.mark.parametrize(
@@ -104,6 +116,7 @@ def test_help_imports_nothing_heavy() -> None:
         ("data", "show"),
         ("data", "check"),
         ("doctor",),
+        ("app",),
         ("bench", "list"),
         ("bench", "run"),
         ("bench", "submit"),

@@ -99,7 +99,7 @@ STEP = re.compile(r"^    (workbench [^\n]+)$|^```text\n(.*?)^```", re.MULTILINE 
 # commands that take more than some seconds, or that never end: the first only with --run-slow
 LONG = ("fragility", "verify", "rare", "sensitivity", "sample", "limit")
 LONG += ("run", "report", "validate", "status", "gather")
-ENDLESS = ("serve",)
+ENDLESS = ("serve", "app")
 PLACEHOLDERS = {"STUDY": "studies/mine.py", "FILE": "scenario.toml"}
 PREPARED = {  # files that a page speaks of before, or without, a command that makes them
     "scenario.toml": "new column",
