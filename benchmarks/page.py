@@ -29,15 +29,17 @@ def main() -> None:
     sleep(REST)
     print(f"{'models':42} {'page':>9} {'bare call':>10} {'ratio':>6}")
     for names in MODELS:
-        page.ask(list(names))
+        page.alone(page.ask, list(names))
+        sleep(1.0)
         shown, bare = [], []
         for move in range(MOVES):
             before, begun = page.responses, perf_counter()
-            page.change({"key": "striker.velocity", "value": f"{20 + 0.37 * move}", "unit": "km/h"})
+            hand = {"key": "striker.velocity", "value": f"{20 + 0.37 * move}", "unit": "km/h"}
+            page.alone(page.change, hand)
             while page.busy or page.responses is before:
                 sleep(0.0002)
             shown.append(perf_counter() - begun)
-            page.stop()
+            page.alone(page.stop)
             scenario = page.form.scenario.at_velocity((20 + 0.37 * move) / 3.6 + 1e-6)
             begun = perf_counter()
             for name in names:

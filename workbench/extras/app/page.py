@@ -12,6 +12,7 @@ from concurrent.futures import Future
 from functools import partial
 from html import escape
 from pathlib import Path
+from threading import RLock
 from time import perf_counter
 from typing import Any
 
@@ -78,6 +79,7 @@ class ExplorerPage:
         self._chosen: list[str] = []  # models; empty: those that answer at once
         self._quick: set[str] = set()
         self._offered: list[tuple[str, str]] = []  # models and what they are
+        self._lock = RLock()
         self._told = 0  # the turn that the page shows the answers of
         self._kind, self._turn, self.busy, self._trouble = "", 0, False, ""
         self._waits: dict[str, tuple[float, Future[Any]]] = {}
@@ -101,7 +103,7 @@ class ExplorerPage:
         told |= {"chance": self._probable, "save": self._keep}
         texts = ("answer", "state", "kept", "structure", "instant", "table", "varied", "collapse")
         self.shown: dict[str, Any] = {
-            **{name: FormView(each, **look) for name, each in told.items()},
+            **{name: FormView(partial(self.alone, each), **look) for name, each in told.items()},
             **{name: pn.pane.HTML("", **look) for name in (*texts, "hinges", "probable")},
             **{
                 n: pn.pane.Bokeh(each.plot, sizing_mode="stretch_width")
@@ -136,6 +138,11 @@ class ExplorerPage:
             elif title and title != "Shear studs":
                 (shown if found else form).append(f"### {title}")
         return pn.Row(pn.Column(*form, width=360), pn.Column(*shown))
+
+    def alone(self, act: Callable[..., None], *arguments: Any) -> None:
+        """Do something to the page while nothing else does: notebooks have several threads."""
+        with self._lock:
+            act(*arguments)
 
     # -- what a person does -----------------------------------------------------------------------
 
@@ -315,7 +322,7 @@ class ExplorerPage:
 
         def done(_: Any) -> None:
             if self._document is None:
-                take()
+                self.alone(take)
             elif self._document.session_context is not None:  # the tab is still open
                 self._document.add_next_tick_callback(partial(self._once_loaded, take))
 
@@ -368,7 +375,7 @@ class ExplorerPage:
     def _answered(self, name: str, turn: int, responses: dict[str, Response] | None) -> None:
         """Take the answer of a model that was asked for."""
         if responses is not None and turn == self._turn:
-            self.responses |= responses
+            self.responses = self.responses | responses
             self._quick |= {name} if responses[name].attrs["wall_time"] < _QUICK else set()
         self._show_answers()
 
