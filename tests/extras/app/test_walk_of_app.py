@@ -208,3 +208,15 @@ def test_the_page_is_for_keyboards_screen_readers_and_small_screens(walked):
     )
     time.sleep(1.0)
     assert tab.js("document.documentElement.scrollWidth") <= 390
+
+
+def test_tests_on_studs_begin_with_a_button(walked, tmp_path):
+    tab = walked.open()
+    assert not tab.js("!!deep('.filepond--browser')")
+    tab.click(field("tests"))
+    tab.wait("deep('.filepond--browser')", PATIENCE)
+    file = tmp_path / "hostile.csv"
+    file.write_bytes(b"\x00\x01 no table")
+    tab.files(".filepond--browser", file)
+    tab.wait("deepText('p', 'binary data')", PATIENCE)
+    assert not troubles(tab)

@@ -40,7 +40,6 @@ from workbench.extras.app.form import (
     unpacked,
 )
 from workbench.extras.app.pictures import Deformed, Dependence, History, fragility_plot
-from workbench.extras.app.studs import StudDesk
 from workbench.report.drawing.shapes import shapes_of
 from workbench.report.page.documents import html_of_blocks
 from workbench.report.page.markdown import definitions, warnings
@@ -52,7 +51,8 @@ from workbench.study.limit import CriticalValue
 _HERE = Path(__file__).parent
 _PAGE = _HERE / "page.html.jinja"
 _STYLE = (_HERE / "parts.css").read_text(encoding="utf-8")
-_QUICK = 0.1  # s; models that answer within it follow the hand
+_QUICK, _SLOW = 0.1, 0.3  # s; models that follow the hand, and that do not even if advised
+_ADVICE = "the model of the advice"
 _MOST_MODELS = 50  # of a link
 _IN_SIGHT = 5  # models of the list that are not folded
 _PATIENCE, _COMPILING = 1.0, 3.0  # s after which the page says what is at work, and why so long
@@ -77,7 +77,7 @@ class ExplorerPage:
         self.responses: dict[str, Response] = {}
         self._answered_to: Any = None  # the scenario that the responses are to
         self._chosen: list[str] = []  # models; empty: those that answer at once
-        self._quick: set[str] = set()
+        self._quick, self._slow = set[str](), set[str]()
         self._offered: list[tuple[str, str]] = []  # models and what they are
         self._lock = RLock()
         self._told = 0  # the turn that the page shows the answers of
@@ -100,7 +100,7 @@ class ExplorerPage:
         self.small = {name: Dependence() for name in ("first", "second", "third")}
         plots: dict[str, Any] = {"history": self.history, "deformed": self.deformed, **self.small}
         told = {"form": self.change, "models": self._choose, "time": self._move}
-        told |= {"chance": self._probable, "save": self._keep}
+        told |= {"chance": self._probable, "save": self._keep, "tests": self._evaluate}
         texts = ("answer", "state", "kept", "structure", "instant", "table", "varied", "collapse")
         self.shown: dict[str, Any] = {
             **{name: FormView(partial(self.alone, each), **look) for name, each in told.items()},
@@ -110,14 +110,16 @@ class ExplorerPage:
                 for n, each in plots.items()
             },
             "fragility": pn.Column(sizing_mode="stretch_width"),
-            "studs": StudDesk(self._desk).view(),
+            "studs": pn.Column(sizing_mode="stretch_width"),
         }
         self._chances = {f["key"]: f for f in DECLARED["chance"][0]["fields"] if "value" in f}
         self._chances = {key: {**field} for key, field in self._chances.items()}
         self.shown["save"].groups = DECLARED["save"]
+        self.shown["tests"].groups = DECLARED["tests"]
 
     def view(self) -> Any:
         """The page, for a browser."""
+        pn.extension("filedropper")  # of tests on studs, which may come later
         page = pn.Template(_PAGE.read_text(encoding="utf-8"), location=True)
         page.add_variable("style", Markup((_HERE / "page.css").read_text(encoding="utf-8")))
         page.title = _TITLE
@@ -133,7 +135,7 @@ class ExplorerPage:
         found = False
         for title, name in titles:
             found |= title == "The answer"
-            if name in self.shown and name != "studs":
+            if name in self.shown and name not in ("studs", "tests"):
                 (shown if found else form).append(self.shown[name])
             elif title and title != "Shear studs":
                 (shown if found else form).append(f"### {title}")
@@ -263,6 +265,13 @@ class ExplorerPage:
             return send(self.form.text)
         return self._wait(f"the file {name}.{key}", self._desk.ask(*makers[key], lane=FILES), send)
 
+    def _evaluate(self, message: Mapping[str, Any]) -> None:
+        """Begin with tests on studs: few need them, and the page is there sooner without."""
+        from workbench.extras.app.studs import StudDesk
+
+        self.shown["tests"].groups = []
+        self.shown["studs"][:] = [StudDesk(self._desk).view()]
+
     def _opened(self, tables: dict[str, Any] | None) -> None:
         """Show a file that was read, or say why it was not."""
         self.shown["save"].errors = {"open": self._trouble} if tables is None else {}
@@ -302,7 +311,8 @@ class ExplorerPage:
             return None
         self.busy = True
         names = [name for name in self._chosen if name in self._quick]
-        future = self._desk.ask("work.answers", self.form.scenario, names, lane=LIVE)
+        asked = self.form.scenario, names, frozenset(self._slow)
+        future = self._desk.ask("work.answers", *asked, lane=LIVE)
         then = partial(self._followed, self._turn, self.form.scenario)
         return self._wait("the quick models", future, then)
 
@@ -345,7 +355,8 @@ class ExplorerPage:
     def stop(self) -> None:
         """End the slow models, and what follows an answer where it has not begun."""
         for what, (_, future) in list(self._waits.items()):
-            if what in self._chosen or (what in _FOLLOWS and not future.running()):
+            slow = what == _ADVICE or what in self._chosen
+            if slow or (what in _FOLLOWS and not future.running()):
                 future.cancel()
 
     def _take_offers(self, offered: list[tuple[str, str]] | None) -> None:
@@ -362,6 +373,7 @@ class ExplorerPage:
         else:
             self._trouble = "" if self._quick else self._trouble  # a link is told of once
             self._quick |= responses.keys()
+            self._slow |= {n for n, r in responses.items() if r.attrs["wall_time"] > _SLOW}
             wanted, self._answered_to = self._chosen or list(responses), scenario
             kept = {name: each for name, each in responses.items() if name in wanted}
             self.responses, self._told = kept or responses, turn
@@ -371,6 +383,15 @@ class ExplorerPage:
             self._ask()
         elif self.responses:
             self._follow_up()
+            if not self._chosen and not any("because" in r.attrs for r in self.responses.values()):
+                future = self._desk.ask("work.answers", scenario)
+                self._wait(_ADVICE, future, partial(self._advised, turn))
+
+    def _advised(self, turn: int, responses: dict[str, Response] | None) -> None:
+        """Take the answer of a model of the advice that is too slow to follow the hand."""
+        if responses is not None and turn == self._turn:
+            self.responses = responses
+        self._show_answers()
 
     def _answered(self, name: str, turn: int, responses: dict[str, Response] | None) -> None:
         """Take the answer of a model that was asked for."""

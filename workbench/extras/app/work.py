@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from math import inf, nan
 
 import numpy as np
@@ -48,15 +48,18 @@ def models_of(kind: str) -> list[tuple[str, str]]:
     return [(each.name, str(each.__doc__).partition("\n")[0]) for each in fitting]
 
 
-def answers(scenario: Scenario, names: Sequence[str] = ()) -> dict[str, Response]:
+def answers(
+    scenario: Scenario, names: Sequence[str] = (), slow: Collection[str] = ()
+) -> dict[str, Response]:
     """Responses of models with advice and warnings, by name.
 
     Without names of those that answer at once: of the advice, the quickest that answers the kind,
-    the anchor.
+    the anchor, less what is known to be `slow`. That of the advice says why it answers.
     """
     advised = choose(scenario).model
     quickest = [name for name in QUICKEST if scenario.KIND in model_kind(name).answers]
-    asked = dict.fromkeys(names or (advised, *quickest[:1], ANCHOR))
+    usual = [n for n in (advised, *quickest[:1], ANCHOR) if n not in slow] or [advised]
+    asked = dict.fromkeys(names or usual)
     return {n: timed(scenario, None if n == advised else make_model(n)) for n in asked}
 
 
