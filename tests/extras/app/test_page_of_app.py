@@ -14,13 +14,14 @@ pytest.importorskip("panel")
 
 from workbench import simulate
 from workbench.base.errors import InputError
-from workbench.extras.app import form, sheet, work
+from workbench.extras.app import chance, form, sheet, work
 from workbench.extras.app.desk import LIVE, Desk, trouble
 from workbench.extras.app.form import DECLARED, packed, started
 from workbench.extras.app.page import ExplorerPage
 from workbench.scenarios import scenario_from
 
 PATIENCE = 120.0  # s
+ROOMS = {"work": work, "sheet": sheet, "form": form, "chance": chance}
 
 
 class Inline:
@@ -29,7 +30,7 @@ class Inline:
     limit = 300.0
 
     def __init__(self, *skips: str) -> None:
-        self.skips = skips or ("work.curves", "work.collapse", "work.picture")
+        self.skips = skips or ("work.curves", "work.collapse", "sheet.picture_if_any")
 
     def ask(self, function, *arguments, lane=""):
         future: Future = Future()
@@ -37,7 +38,9 @@ class Inline:
             return future  # for ever at work
         if isinstance(function, str):
             room, _, name = function.partition(".")
-            function = getattr({"work": work, "sheet": sheet, "form": form}[room], name)
+            function = getattr(
+                {"work": work, "sheet": sheet, "form": form, "chance": chance}[room], name
+            )
         try:
             future.set_result(function(*arguments))
         except Exception as error:
@@ -195,7 +198,7 @@ def test_no_answer_to_an_earlier_state_stands_beside_a_later_one(monkeypatch):
     assert text_of(page, "answer") != first
     assert not is_pale(page, "answer")
     assert is_pale(page, "varied")
-    desk.work("work.curves", "work.collapse", "work.picture")
+    desk.work("work.curves", "work.collapse", "sheet.picture_if_any")
     assert not is_pale(page, "varied")
 
 
@@ -293,7 +296,7 @@ def test_a_link_reopens_the_state_and_another_one_is_told():
 
 
 def test_small_curves_and_the_collapse_are_those_of_sweep_and_limit():
-    page = ExplorerPage(None, Inline("work.picture"))
+    page = ExplorerPage(None, Inline("sheet.picture_if_any"))
     assert "Velocity: 13.8 mm to 103 mm over 10 to 30 km/h" in text_of(page, "varied")
     assert "survives up to 148 km/h and collapses at 148 km/h" in text_of(page, "collapse")
     curve = page.small["first"]._curve.data
@@ -318,11 +321,11 @@ def test_a_fragility_of_wrong_values_is_refused(changed, field):
         for f in DECLARED["chance"][0]["fields"]
         if "value" in f
     }
-    spreads, limit, ends = work.fragility_input(given)
+    spreads, limit, ends = chance.fragility_input(given)
     assert (spreads["striker.mass"], limit) == (0.1, "displacement=100 mm")
     assert ends == pytest.approx((10 / 3.6, 60 / 3.6))
     with pytest.raises(InputError) as refused:
-        work.fragility_input({**given, **changed})
+        chance.fragility_input({**given, **changed})
     assert refused.value.field == field
 
 

@@ -249,7 +249,7 @@ class ExplorerPage:
         makers: dict[str, tuple[Any, ...]] = {
             "csv": ("sheet.histories_csv", self.responses),
             "pdf": ("sheet.one_page", scenario, self.responses),
-            "html": ("work.swept_page", scenario, over, list(self.responses)),
+            "html": ("sheet.swept_page", scenario, over, list(self.responses)),
             **{
                 n: ("sheet.picture", scenario, self.responses, "history", n) for n in ("svg", "png")
             },
@@ -407,9 +407,9 @@ class ExplorerPage:
         quick = bool(model) and self.responses[model].attrs["wall_time"] < _QUICK
         hinged = {name: r for name, r in self.responses.items() if "moment" in r and "time" in r}
         steps: list[tuple[str, Any, tuple[Any, ...]]] = [
-            ("structure", "work.picture", (scenario, self.responses, "structure")),
+            ("structure", "sheet.picture_if_any", (scenario, self.responses, "structure")),
             ("varied", "work.curves", (scenario, keys, model, quick)),
-            ("hinges", "work.picture", (scenario, hinged, "interaction")),
+            ("hinges", "sheet.picture_if_any", (scenario, hinged, "interaction")),
             ("collapse", "work.collapse", (scenario, keys[0], model)),
         ]
         shown: dict[str, Any] = {"varied": self._show_curves, "collapse": self._show_collapse}
@@ -448,7 +448,7 @@ class ExplorerPage:
             self.shown["probable"].object = f"<p>{escape(result[1])}.</p>"
 
         seconds = 0.8 * self._desk.limit
-        future = self._desk.ask("work.fragility", self.form.scenario, given, seconds)
+        future = self._desk.ask("chance.fragility", self.form.scenario, given, seconds)
         self._wait("the curve of probability", future, take)
 
     # -- what is shown ----------------------------------------------------------------------------

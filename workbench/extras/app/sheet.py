@@ -18,6 +18,8 @@ from workbench.api.plots import Plots
 from workbench.api.sweeps import unit_at
 from workbench.base.errors import InputError
 from workbench.base.fields import Choice
+from workbench.extras.app.desk import NEAR
+from workbench.extras.app.work import inputs_by_path
 from workbench.report.gallery import save, to_svg
 from workbench.report.page.documents import Document, render_pdf
 from workbench.report.page.markdown import Cell, Picture, listing, warnings
@@ -31,6 +33,7 @@ from workbench.study import Case, Study, assess, run_study
 from workbench.study.tables import for_spreadsheets
 
 PAGE = Page(__file__)
+_SWEPT = 7  # values of a sweep
 _LONG = 60  # characters of a cell beyond which a warning that holds its text tells it
 _SHOWN = {"m/s": ("km/h", 3.6), "rad": ("deg", 180.0 / pi), "N": ("kN", 1e-3), "Pa": ("MPa", 1e-6)}
 
@@ -160,3 +163,17 @@ def sweep_page(
     if page is None:
         raise InputError("models", list(chosen), "answer nothing over time", "take others")
     return re.sub('<span><a href="report.html">.*?</span>', "", page)  # there is none beside it
+
+
+def picture_if_any(scenario: Scenario, responses: Mapping[str, Response], kind: str) -> str:
+    """A figure of the reports as SVG; empty where the answers have nothing to show."""
+    try:
+        return picture(scenario, responses, kind, "svg").decode()
+    except InputError:
+        return ""
+
+
+def swept_page(scenario: Scenario, key: str, names: Sequence[str]) -> str:
+    """Page to explore answers over a key, from half to one and a half times the value given."""
+    values = np.linspace(*NEAR, _SWEPT) * inputs_by_path(scenario)[key].value
+    return sweep_page(scenario, key, values.tolist(), names)
