@@ -115,9 +115,12 @@ def test_the_hand_is_followed_and_wrong_input_is_told(walked):
     tab.fill(field("striker.velocity"), "20,5")
     tab.wait(f"deep({json.dumps(field('striker.velocity', 'error'))}).innerText.includes('point')")
     tab.wait("deepText('p', 'An input is not right')")
+    opacity = "getComputedStyle(deep('.headline').getRootNode().host).opacity"
+    assert tab.js(opacity) == "0.65"
     tab.fill(field("striker.velocity"), "20")
     tab.wait("!deepText('p', 'An input is not right')")
     assert headline(tab) == first
+    tab.wait(f"{opacity} === '1'")
     chosen(tab, "striker.velocity", "m/s", kind="unit")
     tab.wait(f"deep({json.dumps(field('striker.velocity'))}).value.startsWith('5.55')")
     tab.js(f"deep({json.dumps(field('striker.velocity', 'slider'))}).focus()")

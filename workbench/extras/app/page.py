@@ -456,7 +456,9 @@ class ExplorerPage:
     def _pale(self, *names: str, pale: bool = True) -> None:
         """Show parts that are of an earlier state pale, or as they are."""
         for name in names:
-            self.shown[name].styles = {"opacity": "0.65"} if pale else {}
+            self.shown[name].styles = {
+                "opacity": "0.65" if pale else "1"
+            }  # {} would change nothing
 
     def _show_form(self) -> None:
         self.shown["form"].groups = self.form.groups
