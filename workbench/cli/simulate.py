@@ -264,7 +264,7 @@ def sweep(
     answered = int(outcomes.get("ok", 0)) + int(outcomes.get("collapse", 0)) == len(rows)
     for key in keys:
         if answers[key].attrs["units"] == "rad":
-            table[key] = [told(value, "rad") for value in table[key]]
+            table[key] = [_text(value, "rad") for value in table[key]]
     shown = [*map(paragraph, notes), *_answers(given.name, keys, table)]
     return Answer(content, shown, int(not answered), {"table": target, "picture": picture})
 
@@ -381,7 +381,7 @@ def limit(
         models = [make_model(each, pairs_of("--option", options)) for each in names]
 
         def follow(trial: SurvivalTrial) -> None:
-            say(f"{told(trial.value, unit)}: {_ENDINGS[trial.survives].text}")
+            say(f"{_text(trial.value, unit)}: {_ENDINGS[trial.survives].text}")
 
         limits = [find_limit(each, scenario_at, ends, tolerance, follow) for each in models]
     content = {
@@ -413,9 +413,9 @@ def _meaning(limit: CriticalValue, ends: tuple[float, ...], unit: str) -> str:
 
     low, high = limit.survives_at, limit.collapses_at
     if high is None:
-        text = f"no collapse up to {told(ends[1], unit)}" if limit.settled else "no collapse found"
+        text = f"no collapse up to {_text(ends[1], unit)}" if limit.settled else "no collapse found"
     elif low is None:
-        text = f"collapses already at {told(high, unit)}" if limit.settled else "no survival found"
+        text = f"collapses already at {_text(high, unit)}" if limit.settled else "no survival found"
     else:
         text = "turns from survival to collapse between the two"
     if any(each.subject == ECCENTRIC for each in limit.warnings):
@@ -431,7 +431,7 @@ def _limits(
 ) -> Iterator[Block]:
     from workbench.report.page.formatting import valued
 
-    said = partial(told, unit=unit)
+    said = partial(_text, unit=unit)
     yield paragraph(f"{name}: limit of {over}{unit and f' in {unit}'}")
     columns = {
         "model": lambda row: row[0].model,
@@ -453,7 +453,7 @@ def _limits(
     yield Table.of("tried", "Every value tried.", tried, rows)
 
 
-def told(value: float, unit: str) -> str:
+def _text(value: float, unit: str) -> str:
     """A value with its SI unit; a velocity in km/h too, an angle in degrees."""
     factor, other = {"m/s": (3.6, "km/h"), "rad": (180.0 / pi, "deg")}.get(unit, (1.0, ""))
     beside = f" ({factor * value:.4g} {other})" if other else ""

@@ -99,7 +99,8 @@ def test_wrong_values_are_told_beside_their_field_and_the_last_answer_is_pale(pa
     assert "<b onclick" not in "".join(str(text_of(page, n)) for n in ("answer", "table", "kept"))
 
 
-def test_models_that_are_chosen_answer_when_they_are_asked(page):
+def test_models_that_are_chosen_answer_when_they_are_asked(page, monkeypatch):
+    monkeypatch.setattr("workbench.extras.app.page._QUICK", 60.0)  # s, on a busy machine too
     names = [field["key"] for field in page.shown["models"].groups[0]["fields"]]
     assert names[-1] == "ask"
     page._choose({"key": "energy-estimate", "value": True})
@@ -176,7 +177,7 @@ class Later(Inline):
                     future.set_exception(error)
 
 
-def test_no_answer_to_an_earlier_state_stands_beside_a_later_one(monkeypatch):
+def test_no_answer_to_an_earlier_state_stands_beside_a_later_one():
     desk = Later()
     page = ExplorerPage(None, desk)
     assert page.responses == {}
@@ -234,6 +235,16 @@ def test_a_slow_model_of_the_advice_follows_the_quick_ones():
     desk.work("work.answers")
     assert next(iter(page.responses)) == first
     assert first in text_of(page, "answer")
+
+
+def test_a_slow_model_that_is_stopped_before_any_answer_shows_nothing():
+    state = {"scenario": started("column-impact"), "models": ["single-dof"]}
+    page = ExplorerPage(None, desk := Later(), packed(state))
+    page._choose({"key": "ask", "value": True})
+    page.stop()
+    assert (page.responses, text_of(page, "table")) == ({}, "")
+    desk.work("work.answers", "work.models_of")
+    assert page.responses
 
 
 def test_a_live_answer_that_fails_is_said_and_the_old_one_is_pale():

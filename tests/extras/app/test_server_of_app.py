@@ -149,7 +149,7 @@ def test_bad_input_is_one_line(arguments, message, thesis_impact, tmp_path, monk
 
 
 def test_without_panel_it_says_what_to_install(monkeypatch, capsys):
-    monkeypatch.setattr("workbench.extras.app.verbs.find_spec", lambda name: None)
+    monkeypatch.setattr("workbench.extras.app.find_spec", lambda name: None)
     assert run(["app"]) == 2
     text = "workbench app: needs panel, which is not installed; "
     text += "pip install 'steel-impact-workbench[app]'"

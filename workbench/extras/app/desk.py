@@ -20,8 +20,6 @@ LIMIT = 300.0  # s that a model may take
 # lanes: what follows the hand, what follows that, slow models, files
 LIVE, FOLLOWING, ASKED, FILES = "live", "following", "asked", "files"
 _LIVE_LIMIT = 90.0  # s; the first answer of a model compiles it
-
-
 NEAR = (0.5, 1.5)  # ends of a small curve, times the value given
 
 

@@ -183,10 +183,15 @@ class ScenarioForm:
         return shown
 
     @property
+    def fields(self) -> dict[str, dict[str, Any]]:
+        """Fields by key, of all groups."""
+        return {field["key"]: field for group in self.groups for field in group["fields"]}
+
+    @property
     def kept(self) -> list[str]:
         """Keys of the tables that no field shows."""
-        fields = {each["key"] for group in self.groups for each in group["fields"]}
-        return [key for key in _keys(self.tables) if key not in fields]
+        shown = self.fields
+        return [key for key in _keys(self.tables) if key not in shown]
 
     def _field(self, declared: dict[str, Any]) -> dict[str, Any]:
         """A field as the browser shows it: label, kind, value, unit, range."""

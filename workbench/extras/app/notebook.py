@@ -1,12 +1,11 @@
 """The page in a notebook: `wb.explore`."""
 
 import tomllib
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from workbench.base.datafiles import open_input
-from workbench.base.errors import InputError
+from workbench.extras.app import check_panel
 from workbench.scenarios import Scenario, to_toml
 from workbench.scenarios.files import LARGEST_FILE
 
@@ -34,9 +33,7 @@ def explore(scenario: Scenario | Path | str | None = None) -> Any:
     >>> hit = wb.impact(wb.Column("HEB 220", 0.8, 3.2), mass=1500, velocity=5)
     >>> wb.explore(hit)  # doctest: +SKIP
     """
-    if find_spec("panel") is None:
-        advice = "pip install 'steel-impact-workbench[app]'"
-        raise InputError("explore", None, "needs panel, which is not installed", advice)
+    check_panel("explore")
     from workbench.extras.app.desk import Desk
     from workbench.extras.app.form import read_tables
     from workbench.extras.app.page import ExplorerPage

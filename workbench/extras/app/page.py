@@ -17,6 +17,7 @@ from time import perf_counter
 from typing import Any
 
 import panel as pn
+import tomli_w
 from markupsafe import Markup
 
 from workbench.api.accessor import (
@@ -112,8 +113,8 @@ class ExplorerPage:
             "fragility": pn.Column(sizing_mode="stretch_width"),
             "studs": pn.Column(sizing_mode="stretch_width"),
         }
-        self._chances = {f["key"]: f for f in DECLARED["chance"][0]["fields"] if "value" in f}
-        self._chances = {key: {**field} for key, field in self._chances.items()}
+        fields = DECLARED["chance"][0]["fields"]  # of all pages: each has copies of its own
+        self._chances = {field["key"]: {**field} for field in fields if "value" in field}
         self.shown["save"].groups = DECLARED["save"]
         self.shown["tests"].groups = DECLARED["tests"]
 
@@ -171,7 +172,7 @@ class ExplorerPage:
             return
         try:
             state = unpacked(link)
-            text, models = ScenarioForm(state["scenario"]).text, state["models"]
+            text, models = tomli_w.dumps(state["scenario"]), state["models"]
             if not isinstance(models, list) or len(models) > _MOST_MODELS:
                 raise InputError("link", None, f"must name at most {_MOST_MODELS} models")
             self.form = ScenarioForm(read_tables(text.encode(), "link"))
@@ -406,27 +407,27 @@ class ExplorerPage:
         keys = DECLARED["varied"][self._kind]
         quick = bool(model) and self.responses[model].attrs["wall_time"] < _QUICK
         hinged = {name: r for name, r in self.responses.items() if "moment" in r and "time" in r}
-        steps: list[tuple[str, Any, tuple[Any, ...]]] = [
-            ("structure", "sheet.picture_if_any", (scenario, self.responses, "structure")),
-            ("varied", "work.curves", (scenario, keys, model, quick)),
-            ("hinges", "sheet.picture_if_any", (scenario, hinged, "interaction")),
-            ("collapse", "work.collapse", (scenario, keys[0], model)),
-        ]
-        shown: dict[str, Any] = {"varied": self._show_curves, "collapse": self._show_collapse}
+        steps: dict[str, tuple[Any, ...]] = {
+            "structure": ("sheet.picture_if_any", scenario, self.responses, "structure")
+        }
+        if model:
+            steps["varied"] = "work.curves", scenario, keys, model, quick
+            steps["collapse"] = "work.collapse", scenario, keys[0], model
+        if hinged:
+            steps["hinges"] = "sheet.picture_if_any", scenario, hinged, "interaction"
+        in_words: dict[str, Any] = {"varied": self._show_curves, "collapse": self._show_collapse}
 
         def take(name: str, result: Any) -> None:
             if turn == self._turn and result is not None:
-                self.shown[name].object = shown[name](result) if name in shown else result
+                self.shown[name].object = in_words.get(name, str)(result)
                 self._pale(name, *(self.small if name == "varied" else ()), pale=False)
 
-        if not hinged:
-            steps = [step for step in steps if step[0] != "hinges"]
-        steps = steps if model else steps[:1]
-        for name in _FOLLOWS.keys() - {step[0] for step in steps}:
-            self.shown[name].object = ""
-        for name, function, arguments in steps:
-            future = self._desk.ask(function, *arguments, lane=FOLLOWING)
-            self._wait(name, future, partial(take, name))
+        for name in _FOLLOWS:
+            if name in steps:
+                future = self._desk.ask(*steps[name], lane=FOLLOWING)
+                self._wait(name, future, partial(take, name))
+            else:
+                self.shown[name].object = ""
 
     def _compute_fragility(self) -> None:
         """Have the fragility computed, from values that are right."""
@@ -478,10 +479,10 @@ class ExplorerPage:
     def _show_errors(self) -> None:
         """The message of a field beside it; a number of another unit is not told in SI."""
         error = self.form.error
-        fields = {f["key"]: f for group in self.form.groups for f in group["fields"]}
         if error is None:
             self.shown["form"].errors = {}
             return
+        fields = self.form.fields
         field = fields.get(error.field) or fields.get(error.field.rpartition(".")[0], {})
         brief = field.get("units") and not isinstance(error.value, str)
         self.shown["form"].errors = {
@@ -508,7 +509,8 @@ class ExplorerPage:
         """All that the answers show."""
         self._show_answer()
         self.history.show(self.responses, [name for name, _ in self._offered])
-        self.shown["table"].object = html_of_blocks(*table_blocks("", self.responses))
+        blocks = table_blocks("", self.responses) if self.responses else ()
+        self.shown["table"].object = html_of_blocks(*blocks)
         shapes = (shapes_of(self._answered_to, r) for r in self.responses.values())
         known = next(filter(None, shapes), None)
         self.deformed.show(known)
@@ -541,12 +543,12 @@ class ExplorerPage:
 
     def _show_curves(self, curves: list[SmallCurve]) -> str:
         """Draw the small curves; return them in words."""
-        fields = {f["key"]: f for group in self.form.groups for f in group["fields"]}
-        said = [
+        fields = self.form.fields
+        sentences = [
             small.show(curve, fields.get(curve.key, {"label": curve.key}))
             for small, curve in zip(self.small.values(), curves, strict=False)
         ]
-        return f"<p>By {escape(self._first)}. {escape(' '.join(said))}</p>"
+        return f"<p>By {escape(self._first)}. {escape(' '.join(sentences))}</p>"
 
     def _show_collapse(self, limit: CriticalValue) -> str:
         """Return the bracket of the collapse in words, with its warnings."""

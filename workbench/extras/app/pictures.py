@@ -97,10 +97,13 @@ class Deformed:
         self.plot.x_range = DataRange1d(renderers=[box, lines], range_padding=0.15)
         self.plot.y_range = DataRange1d(renderers=[box, lines], range_padding=0.08)
         self.shapes: Shapes | None = None
+        self._times = 1.0  # that displacements are drawn
 
     def show(self, shapes: Shapes | None) -> None:
         """The shapes of a response; None: it knows none."""
         self.shapes = shapes
+        if shapes is not None:
+            self._times = magnification(shapes.largest(list(range(len(shapes.at)))), shapes.size)
         rest: Any = () if shapes is None else shapes.rest
         self._rest.data = _curves(rest)
         corners = np.ravel(rest)
@@ -111,12 +114,11 @@ class Deformed:
         if self.shapes is None:
             self._now.data = self._yields.data = _curves(())
             return "No model that answered states a deformed shape."
-        shapes, size = self.shapes, self.shapes.size
-        times = magnification(shapes.largest(list(range(len(shapes.at)))), size)
+        shapes, times = self.shapes, self._times
         drawn = shapes.magnified(snapshot, times)
         self._now.data = _curves(drawn)
         yields = shapes.used[:, snapshot] >= YIELDS if len(shapes.hinges) else np.zeros(0, bool)
-        places = hinge_places(drawn, _GAP * size)
+        places = hinge_places(drawn, _GAP * shapes.size)
         places = places[yields] if len(yields) == len(places) else places[:0]
         self._yields.data = {"x": places.real, "y": places.imag}
         scale = "" if times == 1.0 else f"; displacements drawn {times:g} times"

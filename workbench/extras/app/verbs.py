@@ -5,7 +5,6 @@ import signal
 import sys
 import webbrowser
 from contextlib import closing
-from importlib.util import find_spec
 from pathlib import Path
 from socket import create_server
 from threading import Thread
@@ -15,6 +14,7 @@ import typer
 
 from workbench.base.errors import InputError
 from workbench.cli.output import Answer, option, verb
+from workbench.extras.app import check_panel
 
 PORT = 4243  # one for all times, so that links to the page hold
 Start = Annotated[str | None, typer.Argument(metavar="SCENARIO.toml", help="Scenario file.")]
@@ -31,9 +31,7 @@ def app(
 
     Served by this machine for this machine, until Ctrl-C. Exit status 0, 2 for bad input.
     """
-    if find_spec("panel") is None:
-        advice = "pip install 'steel-impact-workbench[app]'"
-        raise InputError("workbench app", None, "needs panel, which is not installed", advice)
+    check_panel("workbench app")
     from workbench.base.datafiles import open_input
     from workbench.base.fields import Number
     from workbench.extras.app.desk import Desk
