@@ -238,6 +238,14 @@ def test_a_name_cannot_be_a_keyword() -> None:
     [
         (["--to", "nastran"], "--to = 'nastran': must be one of"),
         (["--to", "vtu", "--mesh", "bricks"], "--mesh = 'bricks': is for decks, not for vtu"),
+        (
+            ["--to", "calculix", "--option", "program=abaqus"],
+            "--option program = 'abaqus': is said already; leave it out: --to and --mesh say it",
+        ),
+        (
+            ["--to", "abaqus", "--mesh", "shells", "--option", "mesh=bricks"],
+            "--option mesh = 'bricks': is said already",
+        ),
         (["--to", "vtu", "--out", "hit.inp"], "must end in pvd"),
         (["--to", "calculix", "--out", "hit.toml"], "is a file that is read here"),
         (["--to", "calculix", "--out", "nowhere/hit.inp"], "there is no directory"),

@@ -74,11 +74,14 @@ def export(
     chosen = FORMATS[Choice(tuple(FORMATS)).check("--to", to)]
     name = out or f"{Path(scenario).stem}-{to}.{chosen.ending}"
     target = writable("--out", name, chosen.ending, inputs=[scenario])
-    values = pairs_of("--option", options, "refinement=1") | dict(chosen.options)
-    if mesh is not None:
-        if chosen.writer != _DECK:
-            raise InputError("--mesh", mesh, f"is for decks, not for {to}", "leave it out")
-        values["mesh"] = mesh
+    said = dict(chosen.options) | ({} if mesh is None else {"mesh": mesh})
+    if mesh is not None and chosen.writer != _DECK:
+        raise InputError("--mesh", mesh, f"is for decks, not for {to}", "leave it out")
+    values = pairs_of("--option", options, "refinement=1")
+    if twice := [key for key in values if key in said]:
+        remedy = "leave it out: --to and --mesh say it"
+        raise InputError(f"--option {twice[0]}", values[twice[0]], "is said already", remedy)
+    values |= said
     given = load_scenario(scenario, settings or [])
     with at_work(f"the export to {to} at work"):
         then, findings = resolve_name(chosen.writer)(given, target, **values)
