@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 JOBS ?= $(shell $(PYTHON) -c "import os; print(os.cpu_count() or 1)")
 
-.PHONY: report quick test thorough cross-check lint docs summary sweep frames benchmarks lock clean
+.PHONY: report quick test thorough cross-check lint docs summary manual sweep frames benchmarks lock clean
 
 report: .venv/ready
 	$(BIN)/workbench run thesis_column --jobs $(JOBS)
@@ -42,6 +42,11 @@ docs: .venv/docs
 # The flagship's verdicts and pictures that are kept in git.
 summary: report
 	$(BIN)/workbench report thesis_column --summary reports
+
+# The table of what tests claim, and the page of the manual made from it.
+manual: .venv/ready
+	$(BIN)/python -m pytest -q -n $(JOBS) -m claim --manual
+	$(BIN)/python docs/reference/generate.py
 
 sweep: .venv/ready
 	$(BIN)/workbench run column_sweep --jobs $(JOBS)

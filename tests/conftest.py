@@ -20,6 +20,8 @@ from workbench.steel.sections import find
 from workbench.study import Case, Study
 from workbench.study.runner import THREAD_VARIABLES
 
+pytest_plugins = ["claims"]
+
 # The same examples in every run, and no clock: a change fails because of the change, not because
 # of the day or of what else the machine has to do (`too_slow` is a clock as well).
 settings.register_profile(

@@ -19,6 +19,7 @@ from workbench.base.offered import offered
 from workbench.cli import run
 from workbench.extras.intake.answers import SERIES
 from workbench.extras.intake.impact_tests.rows import IMPACTS
+from workbench.report.chapters.configuration import claims
 from workbench.responses.histories import COORDINATES, VARIABLES
 from workbench.scenarios.files import KINDS
 from workbench.studs.schema import POINTS, TESTS, TableSchema
@@ -161,7 +162,25 @@ def columns() -> str:
     )
 
 
-PAGES = {"arguments": arguments, "inputs": inputs, "options": options, "columns": columns}
+def checks() -> str:
+    """Page of the independent checks, from what tests claim and have computed."""
+    kinds: dict[str, list[Row]] = {}
+    for row in claims():
+        numbers = (row["expected"], row["tolerance"], row["computed"], row["error"])
+        rest = (row["says"], *numbers, row["source"], "`{}` {}".format(*row["test"].split("::")))
+        for kind, _, name in (subject.partition(":") for subject in row["subject"].split()):
+            kinds.setdefault(f"\n## Kind: {kind}\n\n", []).append((f"`{name}`", *rest))
+    heads = "of, check, expected, tolerance, computed, error, source, test"
+    text = (
+        "# Independent checks\n\nChecks of every part of the workbench, as computed when its tests"
+        " ran last (`make manual`). A source is a work of the bibliography, or what else stands"
+        " against the number: a closed form, independent code, another program, a property.\n"
+    )
+    return text + "".join(head + _table(heads, sorted(rows)) for head, rows in kinds.items())
+
+
+PAGES = {"arguments": arguments, "checks": checks, "columns": columns, "inputs": inputs}
+PAGES |= {"options": options}
 
 if __name__ == "__main__":
     for name, page in PAGES.items():

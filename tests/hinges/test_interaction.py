@@ -29,7 +29,19 @@ def test_radial_errors_on_heb_220(rule: str, expected: tuple[float, ...]) -> Non
     assert 100.0 * np.array(radial_error(rule, HEB)) == pytest.approx(expected, abs=0.16)
 
 
-@pytest.mark.parametrize(("n", "m"), [(0.1596, 0.9349), (0.5, 0.5777), (0.9, 0.1199)])
+# of plates: the neutral axis lies 99.97 mm off, in a flange; others by their equations
+@pytest.mark.claim("surface:{rule}", "m at n = 1/2, HEB 220", "closed form", "{expected}", "{near}")
+@pytest.mark.parametrize(
+    ("rule", "expected", "near"),
+    [("exact", 0.57767, 1e-4), ("super-ellipse", 0.57767, 0.02), ("orbison", 0.610573, 1e-6),
+     ("attalla", 0.57316, 1e-6), ("aisc", 0.5625, 1e-9), ("eurocode", 0.556284, 1e-6),
+     ("linear", 0.5, 1e-9)],
+)  # fmt: skip
+def test_rules_by_hand(claim, rule: str, expected: float, near: float) -> None:
+    claim(moment_capacity(rule, HEB, 0.5))
+
+
+@pytest.mark.parametrize(("n", "m"), [(0.1596, 0.9349), (0.9, 0.1199)])
 def test_exact_rule_is_the_plastic_section(n: float, m: float) -> None:
     assert float(moment_capacity("exact", HEB, n)) == pytest.approx(m, abs=1e-4)
 
@@ -41,10 +53,9 @@ def test_rules_satisfy_their_equations() -> None:
     m = moment_capacity("attalla", HEB, n)
     left = 0.19 * n**6 + 0.54 * m**6 - 1.40 * n**4 - 1.64 * m**4 + 2.21 * n**2 + 2.10 * m**2
     assert left == pytest.approx(1.0)
-    # EN 1993-1-1, 6.2.9.1(4): no reduction up to half the web, and from there a line to (1, 0)
+    # EN 1993-1-1, 6.2.9.1(4): no reduction up to half the web
     half_web = 0.5 * (0.220 - 2 * 0.016) * 0.0095 / HEB.area
     assert moment_capacity("eurocode", HEB, [0.0, half_web]) == pytest.approx(1.0)
-    assert float(moment_capacity("eurocode", HEB, 0.5)) == pytest.approx(0.5 / (1.0 - half_web))
 
 
 @pytest.mark.parametrize("rule", RULES)

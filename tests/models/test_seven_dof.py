@@ -98,17 +98,19 @@ def ledger(response: Response) -> float:
     return float(error / response["input_energy"])
 
 
+@pytest.mark.claim("model:seven-dof", "peak over OpenSees fibers", "another program", 1, 0.025)
 @pytest.mark.parametrize(("name", "degrees"), [(n, d) for n in FIBERS for d in FIBERS[n]])
-def test_fibers_in_space(name: str, degrees: int) -> None:
+def test_fibers_in_space(name: str, degrees: int, claim) -> None:
     hit, fibers = struck(name, degrees), FIBERS[name][degrees]
     assert peak(Uniform(hit_mass="thesis"), hit) == pytest.approx(fibers, rel=0.04)
-    assert peak(Uniform(), hit) == pytest.approx(fibers, rel=0.025)  # measured -0.4 to +2.0 %
+    claim(peak(Uniform(), hit) / fibers)
 
 
+@pytest.mark.claim("model:seven-dof", "peak over that of a prototype", "independent code", 1, 6e-3)
 @pytest.mark.parametrize(("name", "degrees"), [(n, d) for n in PROTOTYPE for d in PROTOTYPE[n]])
-def test_another_program_of_the_same_equations(name: str, degrees: int) -> None:
+def test_another_program_of_the_same_equations(name: str, degrees: int, claim) -> None:
     found = peak(RigidInShear(hit_mass="thesis"), struck(name, degrees))
-    assert found == pytest.approx(PROTOTYPE[name][degrees], rel=0.006)
+    claim(found / PROTOTYPE[name][degrees])
 
 
 @pytest.mark.parametrize("name", COLUMNS)

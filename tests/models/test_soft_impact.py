@@ -25,7 +25,8 @@ def weak(thesis_impact: ColumnImpact) -> ColumnImpact:
     return replace(thesis_impact, column=column, striker=striker, duration=0.02)
 
 
-def test_elastic_masses_move_in_their_two_modes(weak: ColumnImpact) -> None:
+@pytest.mark.claim("model:soft-impact", "off its two modes, relative", "closed form", 0, 4e-4)
+def test_elastic_masses_move_in_their_two_modes(weak: ColumnImpact, claim) -> None:
     model = SoftImpact(striker_stiffness=2e7)
     response = model.simulate(weak)
     given = model.curve(weak).initial_stiffness
@@ -39,7 +40,7 @@ def test_elastic_masses_move_in_their_two_modes(weak: ColumnImpact) -> None:
     assert together.sum() > 400
     result = response["displacement"].values[together]
     error = np.abs(result - exact[1][together]).max() / exact[1][together].max()
-    assert error < 4e-4  # measured 1.8e-4
+    claim(error)
     assert float(response["residual_displacement"]) == 0.0
 
 
@@ -50,11 +51,12 @@ def test_a_stiff_striker_is_a_rigid_one_that_bounces(thesis_impact: ColumnImpact
     assert float(stiff["peak_displacement"]) == pytest.approx(rigid, rel=2e-4)  # measured 1e-4
 
 
-def test_a_soft_striker_pushes_as_the_code_says(thesis_impact: ColumnImpact) -> None:
+@pytest.mark.claim("model:soft-impact", "force over v (k m)^1/2", "en1991-1-7", 1, 2e-3)
+def test_a_soft_striker_pushes_as_the_code_says(thesis_impact: ColumnImpact, claim) -> None:
     stiffness, striker = 3e5, thesis_impact.striker
     response = SoftImpact().simulate(replace(thesis_impact, duration=0.3))
     force = striker.velocity * sqrt(stiffness * striker.mass)  # EN 1991-1-7, C.3
-    assert float(response["peak_force"]) == pytest.approx(force, rel=2e-3)  # measured 7e-4
+    claim(response["peak_force"] / force)
     assert float(response["impulse"]) == pytest.approx(2.0 * striker.mass * striker.velocity)
     contact = response["time"].values[response["percussion"].values > 0.0]
     assert contact[-1] == pytest.approx(pi * sqrt(striker.mass / stiffness), rel=2e-3)

@@ -39,10 +39,11 @@ def peak_of(model, hit) -> float:
     return float(response["peak_displacement"])
 
 
+@pytest.mark.claim("model:superelement-space", "peak over OpenSees", "another program", 1, 0.033)
 @pytest.mark.parametrize(("column", "mass", "velocity", "degrees", "fibers"), HITS)
-def test_hits_from_every_side_follow_fibers(column, mass, velocity, degrees, fibers):
+def test_hits_from_every_side_follow_fibers(column, mass, velocity, degrees, fibers, claim):
     hit = struck(column, mass, velocity, degrees)
-    assert peak_of(SuperelementSpace(), hit) == pytest.approx(fibers, rel=0.033)  # -0.4 to +3.2 %
+    claim(peak_of(SuperelementSpace(), hit) / fibers)
     finer = peak_of(SuperelementSpace(elements=4), hit)
     assert finer == pytest.approx(fibers, rel=0.021)  # measured -1.0 to +1.8 %
 

@@ -165,6 +165,7 @@ def test_elastic_pushes_hold_their_uncertainty(column, monkeypatch) -> None:
     assert width <= 0.03 * exact  # measured 0.018
 
 
+@pytest.mark.claim("model:fiber-reissner", "converged peak, ratio", "independent code", 1, 3.5e-3)
 @pytest.mark.parametrize(
     ("velocity", "expected"),
     [
@@ -173,7 +174,7 @@ def test_elastic_pushes_hold_their_uncertainty(column, monkeypatch) -> None:
         pytest.param(20.0, (0.3133, 0.3184, 0.3215, 0.3245), marks=pytest.mark.slow),
     ],
 )
-def test_impact_peaks_of_the_thesis_column(thesis_impact, velocity, expected) -> None:
+def test_impact_peaks_of_the_thesis_column(thesis_impact, velocity, expected, claim) -> None:
     """Peaks with steps of a 16th (last mesh: an eighth); extrapolates of an independent solution.
 
     The peaks of that solution on these meshes lie 0.2 to 0.9 % lower, as its steps damp.
@@ -185,7 +186,7 @@ def test_impact_peaks_of_the_thesis_column(thesis_impact, velocity, expected) ->
     ]
     np.testing.assert_allclose(peaks, expected[:3], rtol=3e-3)  # measured 1.7e-3
     limit = 2.0 * peaks[2] - peaks[1]
-    assert limit == pytest.approx(expected[3], rel=3.5e-3)  # measured 0.0008
+    claim(limit / expected[3])
 
 
 @pytest.mark.thorough

@@ -49,13 +49,14 @@ def test_it_keeps_the_contract_of_a_model(thesis_impact) -> None:
     check_model(FiberShear(levels=1, smallest_element=0.05), scenarios)
 
 
+@pytest.mark.claim("model:fiber-shear", "static force, relative error", "independent code", 0, 5e-3)
 @pytest.mark.usefixtures("few_load_steps")
-def test_static_plateau_of_the_thesis_column(thesis_impact) -> None:
+def test_static_plateau_of_the_thesis_column(thesis_impact, claim) -> None:
     """An independent solution of the same equations, to three digits; the mesh is not printed."""
     push = ColumnPushover("figure 5.8", thesis_impact.column, 0.7)
     response = FiberShear(levels=1, smallest_element=0.025).simulate(push)
     expected = [0.464, 0.512, 0.510, 0.508, 0.511, 0.521, 0.537, 0.545, 0.548]
-    np.testing.assert_allclose(force_at(response, AT), expected, rtol=5e-3)  # measured 3.6e-3
+    claim(np.abs(force_at(response, AT) / expected - 1.0).max())
     assert {"shear-strain"} <= subjects(warnings_of(response))
     plastic = thesis_impact.column.properties.shear_resistance
     assert 0.9 < float(response["shear_utilisation"][0]) < 1.0  # measured 0.92

@@ -57,13 +57,14 @@ def peak_of(model, hit) -> float:
     return float(response["peak_displacement"])
 
 
-def test_hits_along_the_web_are_those_of_the_plane_beam():
+@pytest.mark.claim("model:fiber-space", "peak in the plane, ratio", "independent code", 1, 1e-5)
+def test_hits_along_the_web_are_those_of_the_plane_beam(claim):
     plane = FiberCorotational(levels=1, refinement=-2, layers=12, shear_flexible=False)
     hit = replace(HEB_HIT, striker=Striker(1500.0, 10.0))
     response = COARSE.simulate(hit)
     beam = plane.simulate(hit)
     peak = float(beam["peak_displacement"])
-    assert float(response["peak_displacement"]) == pytest.approx(peak, rel=1e-5)  # measured 7e-9
+    claim(response["peak_displacement"] / peak)
     for name in ("moment", "axial_force", "plastic_rotation", "utilisation"):
         scale = float(np.abs(beam[name]).max())
         ends = [float(each[name].values[:, -1].max()) for each in (response, beam)]
@@ -170,10 +171,12 @@ OPENSEES = {
 }
 
 
+@pytest.mark.claim("model:fiber-space", "peak over that of OpenSees", "another program", 1, 0.035)
 @pytest.mark.slow
 @pytest.mark.parametrize("hit", OPENSEES, ids=lambda hit: hit.name)
-def test_hits_from_every_side_against_opensees(hit):
+def test_hits_from_every_side_against_opensees(hit, claim):
     peaks, bound = OPENSEES[hit]
     for degrees, expected in peaks.items():
         peak = peak_of(FiberSpace(levels=1, refinement=0, layers=20), at(hit, degrees))
         assert peak == pytest.approx(expected, rel=bound)  # measured +0.6, -3.3, +1.1 %
+        claim(peak / expected)

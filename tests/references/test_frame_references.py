@@ -153,12 +153,13 @@ def test_options_that_frames_do_not_know_are_refused() -> None:
 # -- the frame of the thesis -----------------------------------------------------------------
 
 
+@pytest.mark.claim("model:{kind}", "peak of the thesis frame, ratio", "independent code", 1, 7.5e-3)
 @pytest.mark.thorough
 @pytest.mark.parametrize(
     "size", [0.4, 0.2, *(pytest.param(h, marks=pytest.mark.slow) for h in (0.1, 0.05))]
 )
 @pytest.mark.parametrize("kind", ["fiber-reissner", "fiber-corotational"])
-def test_figure_5_14_on_uniform_meshes(thesis_frame, kind, size) -> None:
+def test_figure_5_14_on_uniform_meshes(thesis_frame, kind, size, claim) -> None:
     # the independent co-rotational beam is Bernoulli's
     more = {} if kind == "fiber-reissner" else {"shear_flexible": False}
     response = run(kind, thesis_frame, size, size, size / 1000.0, **more)
@@ -166,7 +167,7 @@ def test_figure_5_14_on_uniform_meshes(thesis_frame, kind, size) -> None:
     assert response.attrs["elements"] == elements
     expected = peaks[kind != "fiber-reissner"]
     # measured 5.0e-3 at 0.4 m and where the independent steps damp 6.1e-3
-    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=7.5e-3)
+    claim(response["peak_displacement"] / expected)
     error = np.abs(response["balance_error"]).max() / response["input_energy"]
     assert float(error) < 1e-8
 

@@ -13,9 +13,12 @@ import pytest
 from pages import views
 
 from workbench.base.errors import InputError, WorkbenchError
+from workbench.models.base import make_model
 from workbench.report.build import build_report, document
+from workbench.report.chapters.configuration import checks
 from workbench.report.explorer import explorer
 from workbench.report.page.documents import render_html
+from workbench.report.page.terminal import render_text
 from workbench.study import assess
 from workbench.study.assessor import read_assessment
 
@@ -249,3 +252,12 @@ def test_what_is_folded_stands_on_the_screen_and_not_on_paper(small) -> None:
     seen = [view for part in paper.sections for view in views(part)]
     assert not [view for view in seen if view.folded]
     assert all(section.title in seen[-1].text for section in folded)
+
+
+def test_checks_are_those_of_what_the_study_used(small):
+    ours = {**small.study.models, "ours": make_model("four-dof")}
+    text = render_text(checks(replace(small.study, models=ours), small))
+    assert "static force off fig. 5.8" in text
+    assert "`model:four-dof` rests on (Heng, P. 2017)" in text
+    assert "`model:synthetic`" in text.partition("Without an independent check")[2]
+    assert "biggs" not in text

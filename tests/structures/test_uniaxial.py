@@ -98,9 +98,22 @@ def test_menegotto_pinto_keeps_to_its_two_lines() -> None:
     # measured: round-off
     assert large[0, 0] == pytest.approx(FY + 0.01 * E * 49.0 * YIELD, rel=1e-8)
     assert large[0, 1] == pytest.approx(0.01 * E, rel=1e-8)  # measured: round-off
-    # at the corner the curve lies 2^(-1/R) of the way up the virgin elastic line
-    corner = stress_path(law, [YIELD])[0, 0]
-    assert corner == pytest.approx(FY * (0.01 + 0.99 * 2.0 ** (-1.0 / 20.0)), rel=1e-12)
+
+
+TIME = 0.2 * YIELD / 300.0  # s, of a step at 300 /s
+# 1 + 2 x 0.02 / 1.02; 0.01 + 0.99 / 2^(1/20); 1 + (300 / 40.4)^(1/5)
+BY_HAND = (
+    ("linear", "at three yield strains", LAWS[1], [3.0], 1.0392156863),
+    ("menegotto-pinto", "at the corner", MenegottoPinto(E, FY, 0.01), [1.0], 0.9662769656),
+    ("cowper-symonds", "mild steel at 300 /s", LinearHardening(E, FY, rate=MILD_STEEL),
+     0.2 * np.arange(1, 4000), 2.4933031387),
+)  # fmt: skip
+
+
+@pytest.mark.claim("steel:{name}", "stress over yield, {what}", "closed form", "{expected}", 1e-8)
+@pytest.mark.parametrize(("name", "what", "law", "strains", "expected"), BY_HAND)
+def test_stresses_by_hand(claim, name, what, law, strains, expected) -> None:
+    claim(stress_path(law, YIELD * np.array(strains), TIME)[-1, 0] / FY)
 
 
 def test_menegotto_pinto_is_alike_in_tension_and_compression() -> None:

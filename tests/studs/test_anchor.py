@@ -24,6 +24,9 @@ def test_every_life_ends_at_its_peak(name: str) -> None:
     assert given == pytest.approx([0.3, 0.6])
 
 
+@pytest.mark.claim(
+    "model:stud-residual", "share left by {name} at {level}", "closed form", "{expected}", 1e-5
+)
 @pytest.mark.parametrize(
     ("name", "level", "expected"),
     [
@@ -35,8 +38,8 @@ def test_every_life_ends_at_its_peak(name: str) -> None:
         ("inverted-s", 0.9999, 0.4),  # 0.239 is less than the peak
     ],
 )
-def test_relations_by_hand(name: str, level: float, expected: float) -> None:
-    assert float(ANCHORED[name].at(0.4)(level, THETA[name])) == pytest.approx(expected, abs=1e-5)
+def test_relations_by_hand(name: str, level: float, expected: float, claim) -> None:
+    claim(ANCHORED[name].at(0.4)(level, THETA[name]))
 
 
 def fatigue(truth: Relation, labs: int = 4, tests: int = 10, **changes: object) -> pd.DataFrame:

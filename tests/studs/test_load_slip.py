@@ -34,11 +34,23 @@ from workbench.studs.tables import curves_of, first_loading
 SLIPS = np.linspace(0.0, 8e-3, 60)
 
 
-def test_published_ollgaard() -> None:
+@pytest.mark.claim("model:stud-load-slip", "load ratio at 0.2 in", "ollgaard1971", 0.989, 5e-4)
+def test_published_ollgaard(claim) -> None:
     law = OllgaardLaw()
     assert law.rate == pytest.approx(708.66, rel=4.1e-6)  # measured 2.0e-6
     inch = 0.0254
     assert law.ratio(0.2 * inch) == pytest.approx((1.0 - np.exp(-3.6)) ** 0.4)
+    claim(law.ratio(0.2 * inch))
+
+
+# 18 x 0.05 in: (1 - exp(-0.9))^0.4; half the yield slip; half the peak slip with k = 5, D = 1/2
+@pytest.mark.claim("load-slip:{name}", "load over the largest", "closed form", "{expected}", 1e-9)
+@pytest.mark.parametrize(
+    ("name", "slip", "expected"),
+    [("ollgaard", 1.27e-3, 0.8116109517), ("bilinear", 0.25e-3, 0.5), ("rational", 3e-3, 19 / 21)],
+)
+def test_laws_by_hand(claim, name: str, slip: float, expected: float) -> None:
+    claim(LAWS[name]().ratio(slip))
 
 
 def test_bilinear_and_its_end() -> None:

@@ -30,12 +30,13 @@ STATIC_KN = {
 }  # fmt: skip
 
 
+@pytest.mark.claim("model:four-dof", "static force off fig. 5.8", "independent code", 0, 5e-4)
 @pytest.mark.parametrize("exponents", STATIC_KN)
-def test_figure_5_8_static_curve(thesis_impact, exponents) -> None:
+def test_figure_5_8_static_curve(thesis_impact, exponents, claim) -> None:
     push = ColumnPushover("figure 5.8", thesis_impact.column, 0.7)
     response = FourDof(alpha=exponents[0], beta=exponents[1], **THESIS_SPRINGS).simulate(push)
     force = np.interp(AT, response["displacement"], response["force"]) / 1e3
-    np.testing.assert_allclose(force, STATIC_KN[exponents], rtol=5e-4)
+    claim(np.abs(force / STATIC_KN[exponents] - 1.0).max())
 
 
 @pytest.mark.parametrize(
@@ -99,8 +100,9 @@ def test_figure_5_4_clamped_column(clamped_impact, exponents, peak) -> None:
     assert float(response["peak_displacement"]) == pytest.approx(peak, rel=2e-4)  # measured 9.1e-5
 
 
+@pytest.mark.claim("model:four-dof model:published", "peak over figure 5.9", "heng2017", 1, 2e-3)
 @pytest.mark.parametrize("velocity", [10.0, 15.0, 20.0])
-def test_four_dof_reproduces_the_published_peaks(thesis_impact, velocity) -> None:
+def test_four_dof_reproduces_the_published_peaks(thesis_impact, velocity, claim) -> None:
     impact = thesis_impact.at_velocity(velocity)
     published = float(
         Published("heng2017-figure-5-9", "4-DOF nonlinear yield surface").simulate(impact)[
@@ -108,4 +110,4 @@ def test_four_dof_reproduces_the_published_peaks(thesis_impact, velocity) -> Non
         ]
     )
     computed = float(FourDof(**THESIS_SPRINGS).simulate(impact)["peak_displacement"])
-    assert computed == pytest.approx(published, rel=2e-3)
+    claim(computed / published)

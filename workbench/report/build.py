@@ -116,6 +116,7 @@ def document(study: Study, stored: Assessment, drawn: Sequence[tuple[str, Pictur
         results.convergence(study, stored, apart["convergence"]),
         results.cost(study, stored, apart["cost"]),
         configuration.configuration(study, stored),
+        configuration.checks(study, stored),
     ]
     data = sum(map(holds_data, study.models.values()))
     numbers = f", {count(data, 'data set')}" if data else ""

@@ -56,9 +56,10 @@ def portal() -> FrameStatic:
     return FrameStatic("Darvall-Mendis", frame, load, "load", "-y", (0.02,))
 
 
+@pytest.mark.claim("model:{model.name}", "load at the second hinge, N", "darvall1985", 427e3, 640)
 @pytest.mark.thorough
 @pytest.mark.parametrize("model", MODELS)
-def test_second_hinge(model: FrameModel) -> None:
+def test_second_hinge(model: FrameModel, claim) -> None:
     """427 kN within 2 %; the deflection is 11.4 mm."""
     response = model.simulate(portal())
     assert response.attrs["outcome"] == "ok", response.attrs["message"]
@@ -70,6 +71,6 @@ def test_second_hinge(model: FrameModel) -> None:
     count = count - (turned[sides].sum(axis=0) > 1)
     second = int(np.argmax(count >= 2))
     assert count[second] >= 2
-    assert float(response["force"][second]) == pytest.approx(427e3, rel=1.5e-3)  # measured 7.1e-4
+    claim(response["force"][second])
     # measured 0.0018, and 0.0053 where the axial force bends the members
     assert float(response["displacement"][second]) == pytest.approx(11.4e-3, rel=6e-3)

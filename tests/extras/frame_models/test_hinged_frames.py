@@ -49,16 +49,17 @@ def cantilever(height: float, axial: float, push: float) -> FrameStatic:
     return FrameStatic("cantilever", frame, (Load("top", x=1e3),), "top", "x", (push,))
 
 
+@pytest.mark.claim("model:{kind.name}", "stiffness at {share} P_E, ratio", "closed form", 1, 2e-3)
 @pytest.mark.parametrize("share", [0.3, 0.9])
 @pytest.mark.parametrize("kind", [PlasticHinge, RefinedPlasticHinge])
-def test_stiffness_vanishes_towards_the_euler_load(kind: type[FrameModel], share: float) -> None:
+def test_stiffness_vanishes_towards_buckling(kind: type[FrameModel], share: float, claim) -> None:
     height = 12.0
     axial = share * pi**2 * EI / (2.0 * height) ** 2
     u = height * sqrt(axial / EI)
     exact = EI / height**3 * u**3 / (tan(u) - u)
     response = kind(shear_flexible=False).simulate(cantilever(height, axial, 1e-3))
     # the dead load shortens the leg by 0.02 %, which counts nine times over near buckling
-    assert float(response["force"][-1]) == pytest.approx(1e-3 * exact, rel=2e-3)
+    claim(response["force"][-1] / (1e-3 * exact))
 
 
 def test_refined_hinge_lies_below_the_hinge_on_the_same_surface() -> None:
@@ -90,20 +91,17 @@ def test_refined_hinge_lies_below_fibers_with_residual_stress(
     assert np.min(refined[1:] / fibers[1:]) > 0.88
 
 
+@pytest.mark.claim("model:plastic-hinge model:giberson", "plateau, ratio", "closed form", 1, 1e-3)
 @pytest.mark.parametrize(("surface", "share"), [("linear", 0.6), ("eurocode", 0.6 / 0.888)])
-def test_resistance_follows_the_surface(surface: str, share: float) -> None:
+def test_resistance_follows_the_surface(surface: str, share: float, claim) -> None:
     scenario = cantilever(4.0, 0.4 * NP, 0.1)
     model = PlasticHinge(surface=surface, geometry="linear")
     webs = 1.0 - 2.0 * HEB.width * 0.016 / HEB.area
     expected = 0.6 if surface == "linear" else 0.6 / (1.0 - 0.5 * webs)
     assert expected == pytest.approx(share, rel=0.02)
-    assert float(model.simulate(scenario)["resistance"]) == pytest.approx(
-        expected * MP / 4.0, rel=1e-3
-    )
+    claim(model.simulate(scenario)["resistance"] / (expected * MP / 4.0))
     response = Giberson(geometry="linear").simulate(scenario)
-    assert float(response["resistance"]) == pytest.approx(
-        MP / 4.0, rel=1e-3
-    )  # knows no interaction
+    claim(response["resistance"] / (MP / 4.0))  # knows no interaction
     assert "interaction" in response.attrs["findings"]
 
 
@@ -265,7 +263,8 @@ def test_spread_of_yield_of_a_rectangle_is_the_closed_form() -> None:
         assert np.interp(at, share, rotation) == pytest.approx(exact, rel=0.04)
 
 
-def test_quasi_plastic_hinge_spreads_as_fibers_do() -> None:
+@pytest.mark.claim("model:quasi-plastic-hinge", "force off fibers", "independent code", 0, 0.015)
+def test_quasi_plastic_hinge_spreads_as_fibers_do(claim) -> None:
     scenario = guided(0.06)
     plain = {"geometry": "linear", "shear_flexible": False}
     mesh = {"smallest_element": 0.03, "largest_element": 0.1, "levels": 1, "refinement": 0}
@@ -274,7 +273,7 @@ def test_quasi_plastic_hinge_spreads_as_fibers_do() -> None:
     sharp = PlasticHinge(**plain).simulate(scenario)["force"].values
     knee = int(np.argmax(np.abs(sharp / np.maximum(fine, 1.0) - 1.0)[2:])) + 2
     assert sharp[knee] / fine[knee] > 1.04
-    assert quasi[1:] == pytest.approx(fine[1:], rel=0.015)
+    claim(np.abs(quasi[1:] / fine[1:] - 1.0).max())
     # cycles: once hardened, elastic up to the moment that was reached
     cycles = QuasiPlasticHinge(**plain).simulate(replace(scenario, path=(0.03, 0.0, 0.03)))
     force, moved = cycles["force"].values, cycles["displacement"].values

@@ -402,7 +402,8 @@ def test_units_stand_in_a_row_in_an_option_or_in_a_mapping() -> None:
     assert len(peaks) == 1
 
 
-def test_a_workbook_in_inches_answers_a_frame(capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.claim("model:imported", "peak of a table in inches, m", "closed form", 0.03, 3e-6)
+def test_a_workbook_in_inches_answers_a_frame(capsys: pytest.CaptureFixture[str], claim) -> None:
     from openpyxl import Workbook
 
     assert run(["new", "frame"]) == 0
@@ -416,7 +417,7 @@ def test_a_workbook_in_inches_answers_a_frame(capsys: pytest.CaptureFixture[str]
     book.save("frame.xlsx")
     assert run(command(file="frame.xlsx")) == 0
     response = Imported("frame").simulate(load_scenario("scenario.toml"))
-    assert float(response["peak_displacement"]) == pytest.approx(0.03, rel=1e-4)
+    claim(response["peak_displacement"])
     assert "residual_displacement" not in response  # without a force nobody knows when it is over
 
 

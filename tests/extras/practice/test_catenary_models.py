@@ -47,7 +47,8 @@ def strengths(column: Column) -> tuple[float, float, float]:
     return properties.plastic_moment, properties.squash_load, axial_flexibility(column)
 
 
-def test_izzuddin_in_closed_form(beam) -> None:
+@pytest.mark.claim("model:izzuddin", "force of a pinned beam, ratio", "izzuddin2005", 1, 1e-9)
+def test_izzuddin_in_closed_form(beam, claim) -> None:
     Mp, Np, c = strengths(beam)
     curve, r = Izzuddin().curve(beam), Mp / Np
     assert curve.initial_stiffness == pytest.approx(stiffness(beam))
@@ -56,12 +57,13 @@ def test_izzuddin_in_closed_form(beam) -> None:
     for v in np.linspace(1.05 * r, 0.999 * ends, 5):  # transient: N = (2/L) (v - r)^2 / c
         N = 2.0 / SPAN * (v - r) ** 2 / c
         expected = 4.0 / SPAN * (Mp * (1.0 - N / Np) + N * v)
-        assert float(curve.force(v)) == pytest.approx(expected, rel=1e-9)
+        claim(curve.force(v) / expected)
         assert float(curve.axial_force(v)) == pytest.approx(N, rel=1e-9)
     assert float(curve.force(1.2 * ends)) == pytest.approx(4.0 * Np * 1.2 * ends / SPAN)  # rope
 
 
-def test_yin_wang_in_closed_form(beam) -> None:
+@pytest.mark.claim("model:yin-wang", "force of a pinned beam, ratio", "yin-wang2005", 1, 1e-9)
+def test_yin_wang_in_closed_form(beam, claim) -> None:
     Mp, Np, c = strengths(beam)
     stretching = beam_of(beam).stages(np.full(3, Mp))[0].shape.stretching
     assert stretching == pytest.approx(2.4 / SPAN)  # of 3 z - 4 z^3, z = x / L
@@ -71,16 +73,17 @@ def test_yin_wang_in_closed_form(beam) -> None:
     for v in (0.5 * yields, 1.5 * yields, 0.7 * taut, 1.3 * taut):
         N = min(2.4 * v**2 / (SPAN * c), Np)
         M = min(0.25 * SPAN * stiffness(beam) * v, Mp * (1.0 - N / Np))
-        assert float(curve.force(v)) == pytest.approx(4.0 / SPAN * (M + N * v), rel=1e-9)
+        claim(curve.force(v) / (4.0 / SPAN * (M + N * v)))
 
 
-def test_trilinear_meets_the_analytic_curve_where_lines_meet(thesis_impact) -> None:
+@pytest.mark.claim("model:trilinear-catenary", "start of rope, ratio", "independent code", 1, 1e-9)
+def test_trilinear_meets_the_analytic_curve_where_lines_meet(thesis_impact, claim) -> None:
     for column in (thesis_impact.column, replace(thesis_impact.column, axial_load=0.0)):
         curve = TrilinearCatenary().curve(column)
         exact = resistance_curve(mechanism_of(column, interaction=LINEAR), "analytic")
         places = {event.name: event.displacement for event in exact.events}
         assert curve.starts[2] == pytest.approx(places["tension grows"], rel=0.03)
-        assert curve.starts[3] == pytest.approx(places["catenary"], rel=1e-9)
+        claim(curve.starts[3] / places["catenary"])
         rope = curve.mechanism.slope_sum * column.properties.squash_load
         for v in (curve.starts[3], 1.0):
             assert float(curve.force(v)) == pytest.approx(rope * v, rel=1e-12)

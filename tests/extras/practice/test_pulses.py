@@ -216,7 +216,8 @@ def simple(load: str, peak: float, pulse_length: float = 10.0) -> MemberPulse:
     return MemberPulse("step", beam, Pulse("rectangular", peak, pulse_length), load, 0.04)
 
 
-def test_a_step_on_an_elastic_beam_is_the_sum_of_its_modes() -> None:
+@pytest.mark.claim("model:biggs", "peak under a step over its modes", "closed form", 1, 0.02)
+def test_a_step_on_an_elastic_beam_is_the_sum_of_its_modes(claim) -> None:
     scenario = simple("uniform", 1e4)
     properties, steel = scenario.column.properties, scenario.column.steel
     EI, mass, length = (
@@ -244,9 +245,7 @@ def test_a_step_on_an_elastic_beam_is_the_sum_of_its_modes() -> None:
         assert float(response["peak_displacement"]) == pytest.approx(expected, rel=0.01)
         assert float(response["load"].max()) == pytest.approx(1e4 * length)
         assert energy_error(response) < 1e-8
-    assert float(Biggs().simulate(scenario)["peak_displacement"]) == pytest.approx(
-        exact.max(), rel=0.02
-    )
+    claim(Biggs().simulate(scenario)["peak_displacement"] / exact.max())
 
 
 def beam_under(share: float, lasts: float, load: str) -> MemberPulse:

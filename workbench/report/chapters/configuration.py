@@ -1,4 +1,4 @@
-"""Configuration of a study, with all that is needed to run it again: models, cases, software."""
+"""Configuration of a study, with all that is needed to run it again, and independent checks."""
 
 import re
 import textwrap
@@ -6,15 +6,22 @@ import tomllib
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+import pandas as pd
+
+from workbench.base.catalogue import datasets
+from workbench.base.datafiles import data_directory
 from workbench.base.errors import OutOfDomainError
+from workbench.base.tables import plain_rows
 from workbench.mechanics.frames.elastic import column_line
 from workbench.models.base import Model, options_of
+from workbench.report.chapters.results import sources_of_tests
 from workbench.report.drawing.frame import Layout
 from workbench.report.page.bibliography import cited
 from workbench.report.page.formatting import brief, several
 from workbench.report.page.markdown import Markdown, listing
 from workbench.report.page.page import Page
 from workbench.scenarios import ColumnImpact, Frame, FrameImpact, Striker, to_toml
+from workbench.study.assessment import METRICS
 from workbench.study.assessor import Assessment
 from workbench.study.cells import differences
 from workbench.study.definition import Case, Study
@@ -223,3 +230,24 @@ def _short(value: Any) -> str:
     if isinstance(value, list) and len(value) > _MOST_ITEMS:
         return f"[{value[0]}, ..., {value[-1]}] ({len(value)} values)"
     return str(value)
+
+
+def claims() -> list[dict[str, Any]]:
+    """Lines of the manual, texts by column: subjects, what is claimed, expected, computed, test."""
+    return plain_rows(pd.read_csv(data_directory() / "verification.csv", dtype=str))
+
+
+def checks(study: Study, stored: Assessment) -> Markdown:
+    """Checks of the models, metrics and tables of a study, what has none, and all their sources."""
+    metrics = dict.fromkeys(row["metric"] for row in stored.records("comparisons"))
+    tables = {entry["name"] for entry in sources_of_tests(study, stored)}
+    for holder in (*study.models.values(), *(case.scenario for case in study.cases)):
+        tables |= {getattr(holder, "dataset", None), *getattr(holder, "tables", ())}
+        tables |= {*getattr(holder, "curves", ())}
+    used = {f"model:{model.name}": model.sources for model in study.models.values()}
+    used |= {f"metric:{name}": (METRICS[name].citation,) for name in metrics}
+    used |= {f"dataset:{entry.name}": entry.keys for entry in datasets() if entry.name in tables}
+    pairs = [(row, [name for name in used if name in row["subject"].split()]) for row in claims()]
+    bare = [name for name in used if not any(name in names for _, names in pairs)]
+    works = [(name, " ".join(map(cited, keys))) for name, keys in used.items() if keys]
+    return PAGE.blocks("checks", rows=[pair for pair in pairs if pair[1]], bare=bare, works=works)

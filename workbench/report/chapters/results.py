@@ -58,11 +58,11 @@ def _tests(study: Study) -> list[str]:
 def validation(study: Study, stored: Assessment) -> Markdown:
     """Bias, scatter and coverage over tests, and the sources of the tests; None without tests."""
     rows = stored.tables["validation"]
-    sources = _sources(study, stored) if len(rows) else []
+    sources = sources_of_tests(study, stored) if len(rows) else []
     return PAGE.blocks("validation", rows=rows, sources=sources)
 
 
-def _sources(study: Study, stored: Assessment) -> list[dict[str, Any]]:
+def sources_of_tests(study: Study, stored: Assessment) -> list[dict[str, Any]]:
     """Data sets of the tests, as stored with the answers, and how many tests each gave."""
     datasets: dict[str, dict[str, Any]] = {}
     for case in study.cases:
