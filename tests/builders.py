@@ -10,7 +10,9 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
+import scipy
 from hypothesis import settings
 
 from workbench.mechanics.frames.structure import FrameStructure
@@ -30,6 +32,7 @@ from workbench.scenarios import (
     Load,
     regular_frame,
 )
+from workbench.steel.hinges import ShearSurface
 from workbench.steel.sections import Section, square
 
 SQUARE = square(0.2)
@@ -168,3 +171,26 @@ def words_in_sight(html: str) -> int:
     page = html[html.index("<header") : html.index("<nav")]
     seen = re.sub(r"<details.*?</details>|<svg.*?</svg>", " ", page, flags=re.DOTALL)
     return len(re.sub(r"<[^>]*>", " ", seen).split())
+
+
+def plateau(surface: ShearSurface, lengths: tuple[float, float]) -> float:
+    """Limit load (N) at the impact point of two clamped panels of these lengths (m), without N.
+
+    Both bend, V L = 2 M_c(V), or the shorter one slides and its flanges alone bend the other.
+    """
+    shorter, longer = sorted(lengths)
+    record = surface.record
+
+    def bent(length: float, passed: float) -> float:
+        """Shear force with M_c at one end and at most `passed` at the other."""
+
+        def excess(V: float) -> float:
+            capacity = float(surface.moment_capacity(0.0, V))
+            return V * length - capacity - min(passed, capacity)
+
+        top = float(record["shear"])
+        return top if excess(top) <= 0.0 else float(scipy.optimize.brentq(excess, 0.0, top))
+
+    below = bent(shorter, np.inf)
+    flanges = float(record["flange_moment"])
+    return below + bent(longer, flanges if below >= record["shear"] else np.inf)

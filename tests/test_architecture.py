@@ -91,6 +91,22 @@ def test_the_core_knows_no_companion() -> None:
             )
 
 
+def test_the_picture_of_the_house_shows_every_room() -> None:
+    picture = (ROOT.parent / "docs" / "house.svg").read_text(encoding="utf-8")
+    companions = {p.relative_to(ROOT).parts[1] for p in MODULES if is_companion(p)} - {
+        "__init__.py"
+    }
+    rooms = {*FLOORS, *companions} - {"testing", "extras"}  # the kit for plug-ins is no room
+    assert not {room for room in rooms if re.search(rf"[> ]{room}[<,]", picture) is None}
+
+
+def test_only_what_this_program_packed_itself_is_unpickled() -> None:
+    """SECURITY.md says so; the folder of compiled kernels is guarded in `base/compiled.py`."""
+    loaders = {"pickle", "marshal", "shelve", "joblib", "dill", "cloudpickle", "yaml"}
+    found = {path.relative_to(ROOT).as_posix() for path in MODULES if imported(path) & loaders}
+    assert found == {"study/cells.py", "testing.py"}
+
+
 @pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_no_function_takes_more_than_ten_arguments(path: Path) -> None:
     for node in nodes(path):

@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import THESIS_SPRINGS, Answers
+from builders import THESIS_SPRINGS, Answers, plateau
 
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.references.fiber_beams import FiberShear
-from workbench.models.resistance.columns import plateau
 from workbench.responses import Outcome, collapse_of, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.steel.hinges import ShearSurface

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import THESIS_CURVE, THESIS_SPRINGS, examples
+from builders import THESIS_CURVE, THESIS_SPRINGS, examples, plateau
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -21,7 +21,6 @@ from workbench.models.resistance import (
     mechanism_of,
     resistance_curve,
 )
-from workbench.models.resistance.columns import plateau, transition_length
 from workbench.models.resistance.kernels import PIECE, sum_up, unloading_stiffness
 from workbench.models.single_dof import SingleDof
 from workbench.responses import Outcome, outcome_of
@@ -413,7 +412,6 @@ def test_plateau_of_panels_in_closed_form() -> None:
     values = [plateau(surface, (below, 4.0 - below)) for below in (0.4, 0.8, 2.0)]
     assert values == pytest.approx([515.2e3, 533.7e3, 549.2e3], rel=1e-4)
     assert plateau(surface, (3.2, 0.8)) == values[1]
-    assert transition_length(surface) == pytest.approx(1.39, abs=5e-3)
 
 
 def test_curve_of_panels_reaches_the_plateau() -> None:

@@ -55,7 +55,6 @@ from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
 from workbench.scenarios.varied import spread
-from workbench.steel.hinges import ShearSurface
 
 GIVEN = "given"  # shape of such a curve
 _COLUMNS = {"displacement_m": Number(0.0, 1e3, "m"), "force_N": Number(0.0, 1e12, "N")}
@@ -214,35 +213,6 @@ def given_curve(mechanism: PlasticMechanism, shape: str, factor: float = 1.0) ->
     soft = np.flatnonzero(force < (1.0 - _STRAIGHT) * force[1] / v[1] * v)
     limit = float(v[max(soft[0] - 1, 1)] if len(soft) else v[-1])
     return ResistanceCurve(GIVEN, mechanism, straight_pieces(v, force), limit, float(v[-1]))
-
-
-def transition_length(surface: ShearSurface) -> float:
-    """Length (m) of a panel below which it slides before it bends, 2 M_f / V_pl."""
-    record = surface.record
-    return float(2.0 * record["flange_moment"] / record["shear"])
-
-
-def plateau(surface: ShearSurface, lengths: tuple[float, float]) -> float:
-    """Limit load (N) at the impact point of two clamped panels of these lengths (m), without N.
-
-    Both bend, V L = 2 M_c(V), or the shorter one slides and its flanges alone bend the other.
-    """
-    shorter, longer = sorted(lengths)
-    record = surface.record
-
-    def bent(length: float, passed: float) -> float:
-        """Shear force with M_c at one end and at most `passed` at the other."""
-
-        def excess(V: float) -> float:
-            capacity = float(surface.moment_capacity(0.0, V))
-            return V * length - capacity - min(passed, capacity)
-
-        top = float(record["shear"])
-        return top if excess(top) <= 0.0 else float(scipy.optimize.brentq(excess, 0.0, top))
-
-    below = bent(shorter, np.inf)
-    flanges = float(record["flange_moment"])
-    return below + bent(longer, flanges if below >= record["shear"] else np.inf)
 
 
 def panel_curve(
