@@ -63,12 +63,14 @@ benchmarks: .venv/ready
 	$(BIN)/python benchmarks/frames.py
 	$(BIN)/python benchmarks/page.py
 
+# Python compiles of the libraries what it imports; kernels are compiled here, on all cores.
 .venv/ready: requirements.lock pyproject.toml
 	@$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11))" \
 	  || { echo "Python 3.11 or later is needed: make PYTHON=python3.12"; exit 1; }
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --no-deps --require-hashes -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	$(BIN)/workbench warm --jobs $(JOBS)
 	touch $@
 
 # Renew the pins: needs pip-tools.

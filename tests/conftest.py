@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -38,14 +37,14 @@ settings.load_profile("repeatable")
 providers.is_local_module_file = lambda _path: False
 
 
-# shares of about the same time: all that tests compile for seconds, so that no worker has to; the
-# panels of the second are in the cache when it gets to them
+# all that tests compile for seconds beside what `workbench warm` compiles, so that no worker has to
 KERNELS = (
-    (
-        *("four-dof", "solid-plane-stress", "fiber-reissner", "fiber-corotational"),
-        *("force-based-beam", "fiber-hinge"),
-    ),
-    ("single-dof", "soft-impact", "giberson", "rigid-superelement", "shell"),
+    "force-based-beam",
+    "fiber-hinge",
+    "soft-impact",
+    "giberson",
+    "rigid-superelement",
+    "shell",
 )
 
 
@@ -62,10 +61,8 @@ def pytest_configure(config: pytest.Config) -> None:
         settings.load_profile("long")
     if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
         os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-        script = str(Path(__file__).with_name("compile_kernels.py"))
-        started = [subprocess.Popen([sys.executable, script, *names]) for names in KERNELS]
-        for process in started:
-            process.wait()
+        code = "from workbench.cli import main; main()"
+        subprocess.run([sys.executable, "-c", code, "warm", *KERNELS])
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -96,6 +96,7 @@ def test_help_imports_nothing_heavy() -> None:
         "fit",
         "data",
         "doctor",
+        "warm",
     ):
         assert f"\n  {verb}" in text
     assert "..." not in text.partition("Commands:")[2]
@@ -117,6 +118,7 @@ def test_help_imports_nothing_heavy() -> None:
         ("data", "show"),
         ("data", "check"),
         ("doctor",),
+        ("warm",),
         ("app",),
         ("baseline", "check"),
         ("baseline", "mint"),

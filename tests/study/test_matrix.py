@@ -196,6 +196,19 @@ def test_times_that_may_hold_compilation_do_not_count(study: Study, tmp_path: Pa
     assert "cold" not in perform(task_of(cell, limit=0.14), warm).record
 
 
+def test_a_long_answer_is_repeated_only_where_kernels_were_compiled(
+    study: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls, simulate, cell = list[int](), Spring.simulate, cells_of(study)[0]
+    monkeypatch.setattr(Spring, "simulate", lambda *given: calls.append(1) or simulate(*given))
+    for below, times in ((0.0, 1), (5.0, 2)):  # from which on reading kernels is nothing
+        monkeypatch.setattr("workbench.study.cells.READ_BELOW", below)
+        monkeypatch.setattr("workbench.study.cells.TIMED_OFTEN_BELOW", 0.0)
+        calls.clear()
+        assert "cold" not in perform(task_of(cell), set()).record
+        assert len(calls) == times
+
+
 def test_groups_and_references_name_what_the_study_has(study: Study) -> None:
     with pytest.raises(InputError, match=r"group\.cases.*v99"):
         dataclasses.replace(study, groups={"none": ("v99",)})

@@ -23,6 +23,7 @@ from statistics import median
 from typing import Any
 
 import xarray as xr
+from numba.core.event import install_recorder
 from threadpoolctl import threadpool_limits
 
 from workbench.base.codec import label_of
@@ -155,6 +156,7 @@ def select(cells: list[StudyCell], pattern: str | None) -> list[StudyCell]:
 
 # A single call of a few milliseconds measures cold caches: quick cells give a median of calls.
 TIMED_OFTEN_BELOW, FURTHER_CALLS = 0.1, 4  # s
+READ_BELOW = 5.0  # s; of longer ones, what it takes to read kernels from the disk is nothing
 
 
 @dataclass(frozen=True)
@@ -216,15 +218,15 @@ def perform(task: Task, warm: set[str], answered: Callable[[], None] = lambda: N
 def _performed(
     task: Task, warm: set[str], model: Model, scenario: Scenario
 ) -> tuple[Response, dict[str, Any]]:
-    """The first of a kind may compile kernels: if it was short, a second call gives its time."""
+    """The first of a kind may compile or read kernels: then a second call gives its time."""
     begin = time.perf_counter()
-    response, trace = _answer(model, scenario)
+    with install_recorder("numba:compile") as compilations:
+        response, trace = _answer(model, scenario)
     first = time.perf_counter() - begin
-    timed = response
     kind = f"{type(model).__module__}.{type(model).__qualname__}/{scenario.KIND}"
-    if kind not in warm and first < min(TIMED_AGAIN_BELOW, (task.limit or 1e9) / 3.0):
-        timed, _ = _answer(model, scenario)
-    cold = kind not in warm and timed is response
+    again = kind not in warm and (first < READ_BELOW or bool(compilations.buffer))
+    cold = again and first >= min(TIMED_AGAIN_BELOW, (task.limit or 1e9) / 3.0)
+    timed = _answer(model, scenario)[0] if again and not cold else response
     warm.add(kind)
     runs = [timed]
     allowed = min(TIMED_OFTEN_BELOW, (task.limit or 1e9) / (3.0 + FURTHER_CALLS))
@@ -235,10 +237,8 @@ def _performed(
         measured = [run.attrs[name] for run in runs if name in run.attrs]
         if measured:
             record[name] = median(measured)
-    if cold:
-        record["cold"] = True  # its times may hold compilation
-    if trace:
-        record["trace"] = trace
+    record |= {"cold": True} if cold else {}  # its times may hold compilation
+    record |= {"trace": trace} if trace else {}
     return response, record
 
 

@@ -576,13 +576,13 @@ def _costs(cells: Sequence[StudyCell], store: Store) -> dict[str, list[float]]:
 
 
 def _costly_first(study: Study, cells: list[StudyCell]) -> list[StudyCell]:
-    """One cell per key, the finest references first so that no long cell runs alone at the end.
+    """One cell per key, the best references first so that no long cell runs alone at the end.
 
     Cells that differ in name only share a key; the first one of the study speaks for them, also
     when `only` names another, so that the stored bytes do not depend on what was asked for.
     """
     unique = list({cell.key: cell for cell in reversed(cells)}.values())[::-1]
-    chain = [*study.ladder, study.reference]
+    chain = [*study.ladder, study.reference, *reversed(study.references)]
     rank = {label: -place for place, label in enumerate(chain, 1)}
     return sorted(unique, key=lambda cell: rank.get(cell.label, 0))
 
