@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -15,7 +16,8 @@ import pytest
 from numba.core.dispatcher import Dispatcher
 
 import workbench
-from workbench.base.compiled import KernelCache, cache_folder, sources
+from workbench.base.compiled import KernelCache, KernelFiles, cache_folder, sources
+from workbench.base.datafiles import private_folder
 
 PACKAGE = Path(workbench.__file__).parent
 KEPT = sorted(p for p in PACKAGE.rglob("*.py") if "cache=True" in p.read_text("utf-8"))
@@ -108,15 +110,17 @@ def test_a_type_that_moves_to_another_file_is_compiled_for_anew(tmp_path: Path) 
 @pytest.mark.thorough
 def test_first_runs_at_once_do_not_disturb_each_other(tmp_path: Path) -> None:
     package, cache = package_with(tmp_path / "tree", 1.0), tmp_path / "cache"
-    code = "from workbench.cube_volume import volume; print(volume(2.0))"
+    code = "from workbench.cube_volume import volume; print(volume({}))"
     env = {**os.environ, "PYTHONPATH": str(package), "NUMBA_CACHE_DIR": str(cache)}
     runs = [
         subprocess.Popen(
-            [sys.executable, "-c", code], env=env, cwd=package, stdout=subprocess.PIPE, text=True
+            [sys.executable, "-c", code.format(side)],
+            **{"env": env, "cwd": package, "stdout": subprocess.PIPE, "text": True},
         )
-        for _ in range(2)
+        for side in (2.0, 2) * 2  # code for two types at once, of one name in numba
     ]
-    assert [run.communicate()[0].strip() for run in runs] == ["8.0"] * 2
+    assert [run.communicate()[0].strip() for run in runs] == ["8.0"] * 4
+    assert volume(package, cache)[0] == 8.0  # the index of one may have lost what another compiled
     assert volume(package, cache) == (8.0, 0)
 
 
@@ -126,12 +130,42 @@ def test_a_folder_that_cannot_be_written_leads_to_a_temporary_one(
     blocked = tmp_path / "file"
     blocked.write_text("")
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(blocked / "cache"))
-    monkeypatch.setattr("workbench.base.compiled.gettempdir", lambda: str(tmp_path / "temporary"))
-    cache_folder.cache_clear()
-    try:
-        assert tmp_path / "temporary" in cache_folder().parents
-    finally:
+    monkeypatch.setattr("workbench.base.datafiles.gettempdir", lambda: str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    for others in (False, True):  # a folder that others may change could hold their code
         cache_folder.cache_clear()
+        private_folder.cache_clear()
+        try:
+            folder = cache_folder()
+            assert folder.parent.parent == tmp_path
+            assert (folder.parent.name == f"workbench-{os.getuid()}") is not others
+            folder.parent.mkdir(exist_ok=True)
+            folder.parent.chmod(0o777)
+        finally:
+            cache_folder.cache_clear()
+            private_folder.cache_clear()
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+@pytest.mark.parametrize("left", [0, 30, 200])
+def test_a_damaged_file_of_code_is_compiled_anew(tmp_path: Path, ending: str, left: int) -> None:
+    package, cache = package_with(tmp_path / "tree", 1.0), tmp_path / "cache"
+    assert volume(package, cache) == (8.0, 1)
+    (kept,) = cache.rglob(f"*.{ending}")
+    kept.write_bytes(kept.read_bytes()[:left])
+    assert volume(package, cache) == (8.0, 1)
+    assert volume(package, cache) == (8.0, 0)
+
+
+def test_an_index_never_leads_to_code_of_another_process(tmp_path: Path) -> None:
+    one, other = (KernelFiles(str(tmp_path), "kernel", "stamp") for _ in range(2))
+    one.save("of floats", 1.0)
+    (tmp_path / "kernel.nbi").unlink()  # the other one read before this one wrote
+    other.save("of integers", 2)
+    assert sorted(pickle.loads(path.read_bytes()) for path in tmp_path.glob("*.nbc")) == [1.0, 2]
+    assert (other.load("of floats"), other.load("of integers")) == (None, 2)
+    KernelFiles(str(tmp_path / "gone"), "kernel", "stamp").save("key", 1.0)  # no room: no error
 
 
 def test_functions_of_others_stay_where_numba_keeps_them() -> None:

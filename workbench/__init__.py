@@ -5,7 +5,6 @@ They and the attributes of their results are public: within a minor version they
 arguments and their meaning. Everything else may move; docs/guide/python.md.
 """
 
-import warnings
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
     from workbench.steel.materials import *  # noqa: F403
     from workbench.study import *  # noqa: F403
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 _PUBLIC = {  # room: names that it gives
     "base.errors": ("InputError", "WorkbenchError"),
@@ -41,9 +40,6 @@ __all__ = ["__version__", *_ROOMS]
 
 def __getattr__(name: str) -> Any:
     """A public name, from its room, which is imported now."""
-    if name == "hit":  # the name until 0.1, kept for one release
-        warnings.warn("wb.hit is called wb.impact now", DeprecationWarning, stacklevel=2)
-        name = "impact"
     if name in _ROOMS:
         value = getattr(import_module(f"workbench.{_ROOMS[name]}"), name)
     elif name in (offers := _offers()):

@@ -6,20 +6,20 @@ it. Here the folder of a file's kernels is named by the content of all that the 
 
 import hashlib
 import re
+from contextlib import suppress
 from functools import cache
-from getpass import getuser
 from os import environ
 from pathlib import Path
 from shutil import rmtree
-from tempfile import gettempdir
 from typing import Any
+from uuid import uuid4
 
 from numba import njit
-from numba.core.caching import CacheImpl, UserProvidedCacheLocator
+from numba.core import caching
 from numba.extending import register_jitable
 from numba.misc.appdirs import AppDirs
 
-from workbench.base.datafiles import can_write
+from workbench.base.datafiles import can_write, private_folder
 
 __all__ = ["KernelCache", "cache_folder", "njit", "register_jitable", "sources", "usual_folder"]
 
@@ -35,14 +35,19 @@ _KEPT = 8  # folders of a file, of older contents and of other installations too
 def usual_folder() -> Path:
     """Folder of the user for compiled code; NUMBA_CACHE_DIR overrides the usual place."""
     given = environ.get("NUMBA_CACHE_DIR")
-    return Path(given or AppDirs("workbench", appauthor=False).user_cache_dir) / "kernels"
+    own = Path(given).absolute() if given else Path(AppDirs("workbench", False).user_cache_dir)
+    return own / "kernels"
 
 
 @cache
 def cache_folder() -> Path:
-    """Folder of compiled code: the usual one, else a temporary one of this user."""
+    """Folder of compiled code: the usual one, else a temporary one of this user.
+
+    Without a home the usual one is relative, a folder ``~`` of wherever the user works.
+    """
     usual = usual_folder()
-    return usual if can_write(usual) else Path(gettempdir()) / f"workbench-{getuser()}" / "kernels"
+    usable = usual.is_absolute() and can_write(usual)
+    return usual if usable else private_folder() / "kernels"
 
 
 @cache
@@ -114,7 +119,7 @@ def _folder(file: str) -> Path | None:
     return folder
 
 
-class KernelCache(UserProvidedCacheLocator):
+class KernelCache(caching.UserProvidedCacheLocator):
     """Where numba keeps the compiled functions of this package; others' stay where they are."""
 
     def __init__(self, py_func: Any, py_file: str) -> None:
@@ -127,4 +132,33 @@ class KernelCache(UserProvidedCacheLocator):
         return cls(py_func, py_file) if _folder(py_file) else None
 
 
-CacheImpl._locator_classes.insert(0, KernelCache)
+class KernelFiles(caching.IndexDataCacheFile):
+    """Index and code of a kernel on disk; what is damaged or finds no room is compiled anew.
+
+    Names of code are a process's own: else an index may lead to code that another process compiled
+    for other types at the same time.
+    """
+
+    def __init__(self, *args: Any, **named: Any) -> None:
+        super().__init__(*args, **named)
+        self._data_name_pattern = f"{uuid4().hex[:12]}.{self._data_name_pattern}"
+
+    def _load_index(self) -> Any:
+        with suppress(Exception):  # damaged bytes raise whatever they spell
+            return super()._load_index()
+        return {}
+
+    def load(self, key: Any) -> Any:
+        """Code of a key: signature, processor, bytecode; None if there is none to be read."""
+        with suppress(Exception):
+            return super().load(key)
+        return None
+
+    def save(self, key: Any, data: Any) -> None:
+        """Keep the code of a key, where there is room."""
+        with suppress(OSError):
+            super().save(key, data)
+
+
+caching.CacheImpl._locator_classes.insert(0, KernelCache)
+caching.IndexDataCacheFile = KernelFiles  # type: ignore[misc]

@@ -3,10 +3,13 @@
 import hashlib
 import os
 import stat
+from contextlib import suppress
+from functools import cache
+from getpass import getuser
 from importlib.util import find_spec
 from io import BufferedReader
 from pathlib import Path
-from tempfile import TemporaryFile
+from tempfile import TemporaryFile, gettempdir, mkdtemp
 
 from workbench.base.errors import InputError, WorkbenchError
 
@@ -77,6 +80,22 @@ def can_write(directory: Path) -> bool:
             return True
     except OSError:
         return False
+
+
+@cache
+def private_folder() -> Path:
+    """Temporary folder of this user alone, for who has no home or may not write there.
+
+    One of its name that others made or may change is left alone: code from it would run.
+    """
+    folder = Path(gettempdir()) / f"workbench-{os.getuid() if hasattr(os, 'getuid') else getuser()}"
+    with suppress(OSError):
+        folder.mkdir(mode=0o700, exist_ok=True)
+        status = folder.lstat()
+        ours = status.st_uid == getattr(os, "getuid", int)()
+        if stat.S_ISDIR(status.st_mode) and ours and (os.name == "nt" or not status.st_mode & 0o22):
+            return folder
+    return Path(mkdtemp(prefix="workbench-"))
 
 
 def check_library(ending: str, field: str) -> None:

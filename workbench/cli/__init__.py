@@ -169,12 +169,19 @@ def _say(text: str, status: int) -> int:
 
 
 def _prepare() -> None:
-    """Let both streams replace what they cannot encode; one that is closed leads nowhere."""
+    """Let both streams replace what they cannot encode, a closed one lead nowhere; find a home."""
     codecs.register_error("workbench", _replaced)
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
         getattr(sys, name).reconfigure(errors="workbench")
+    with suppress(RuntimeError):  # an account without a home
+        home = Path.home()
+        if os.access(cache if (cache := home / ".cache").is_dir() else home, os.W_OK):
+            return
+    from workbench.base.datafiles import private_folder
+
+    os.environ["HOME"] = str(private_folder())  # libraries keep theirs there and fail or warn else
 
 
 def plain(text: str) -> str:

@@ -88,9 +88,10 @@ def _libraries() -> Iterator[Check]:
 
 
 def _kernel_cache() -> Iterator[Check]:
-    from workbench.base.compiled import usual_folder
+    from workbench.base.compiled import cache_folder, usual_folder
 
-    problem = "" if can_write(usual_folder()) else f"{usual_folder()} cannot be written: temporary"
+    usual = usual_folder()
+    problem = "" if cache_folder() == usual else f"{usual} cannot be written: temporary"
     remedy = "set NUMBA_CACHE_DIR to a directory that can be written"
     yield _judged("kernel cache", "can be written", problem, remedy, "warn")
 
