@@ -1,24 +1,34 @@
-"""How the cost of a batch grows with scenarios, elements and threads: exponents, and a figure.
+"""How the cost of batches and studies grows with their size: exponents, and a figure.
 
 Wall times of `simulate_many`, the least of some turns, of columns and frames as in `batches.py`:
 over the number of scenarios on all cores, over the elements of each bar of a column and over the
 threads. The exponent n of a line is that of time ~ size^n through its points, of threads up to the
 number of cores. Nothing here passes or fails.
 
-Usage: python benchmarks/growth.py [FIGURE.svg]
+With `--cells`, of studies instead: processor time, wall time and peak memory of `run`, `status` and
+`report`, each in a process of its own, over the number of cells of a model that costs nothing.
+
+Usage: python benchmarks/growth.py [FIGURE.svg | --cells]
 """
 
 from __future__ import annotations
 
+import io
 import os
+import resource
 import sys
+import tempfile
 from collections.abc import Sequence
+from contextlib import redirect_stderr, redirect_stdout
+from multiprocessing import get_context
+from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 from batches import ONE_BAR, drawn, frames
 
+from workbench.cli import run
 from workbench.models.base import make_model
 from workbench.models.batch import simulate_many
 from workbench.models.superelements import RigidSuperelement
@@ -33,6 +43,21 @@ COUNTS = {
 }
 ELEMENTS, COLUMNS = (2, 4, 8, 16, 32), 10
 THREADED = {"single-dof": 20_000, "four-dof": 800, "thesis frames": 200}
+TESTS = str(Path(__file__).resolve().parents[1] / "tests")
+CELLS = (5_000, 15_000, 50_000)
+VERBS = {"run": ["--jobs=0"], "status": ["--json"], "report": ["--format=html"]}
+STUDY = """
+import sys
+import numpy as np, workbench as wb
+sys.path.insert(0, {tests!r})
+from toy_models import Spring
+hit = wb.impact(wb.Column("HEB 220", 2.0, 2.0, axial_load=5e5), mass=1500, velocity=4.0)
+study = wb.Study(
+    name="large", title="Large", question="How does it grow?", reference="fine",
+    cases=tuple(wb.Case(f"{{v:.6f}}", hit.at_velocity(v)) for v in np.linspace(2.0, 8.0, {cases})),
+    models={{"soft": Spring(), "fine": Spring(error=0.1)}},
+)
+"""
 
 
 class Line(NamedTuple):
@@ -94,6 +119,33 @@ def by_threads(cores: int) -> list[Line]:
     return lines
 
 
+def costs(arguments: list[str]) -> tuple[float, float, float]:
+    """Processor and wall time (s) and peak memory (GB) of a process for a verb that succeeds."""
+    start = perf_counter()
+    with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+        assert run(arguments) == 0, arguments
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return used.ru_utime + used.ru_stime, perf_counter() - start, used.ru_maxrss * 1024 / 1e9
+
+
+def by_cells() -> None:
+    """Print times and memory of the verbs of studies over the number of cells."""
+    times: dict[str, list[float]] = {verb: [] for verb in VERBS}
+    for count in CELLS:
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder, "large.py")
+            file.write_text(STUDY.format(cases=count // 2, tests=TESTS), encoding="utf-8")
+            for verb, more in VERBS.items():
+                asked = [verb, str(file), f"--store={folder}", *more]
+                with get_context("spawn").Pool(1) as process:
+                    seconds, wall, memory = process.apply(costs, (asked,))
+                times[verb].append(seconds)
+                text = f"{seconds:8.1f} s of processor, {wall:8.1f} s in all, {memory:5.2f} GB"
+                print(f"{count:>7,} cells  {verb:<8}{text}", flush=True)
+    for verb, each in times.items():
+        print(f"{verb:<8}exponent {Line(verb, CELLS, each).exponent:.2f}")
+
+
 def draw(panels: dict[str, list[Line]], file: str) -> None:
     """Draw times over sizes, a panel for each kind of size."""
     from matplotlib import pyplot
@@ -116,6 +168,8 @@ def draw(panels: dict[str, list[Line]], file: str) -> None:
 
 def main() -> None:
     """Measure, print exponents, draw."""
+    if sys.argv[1:] == ["--cells"]:
+        return by_cells()
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
     panels = {
         "scenarios": by_scenarios(cores),

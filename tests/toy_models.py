@@ -44,7 +44,8 @@ class Spring:
         return respond(self, scenario, self._solve)
 
     def _solve(self, scenario: Scenario) -> Response:
-        time.sleep(self.delay)
+        if self.delay:
+            time.sleep(self.delay)
         if self.trouble:
             Troubled(self.trouble, self.above)._solve(scenario)
         k = self.stiffness

@@ -48,6 +48,15 @@ def test_collapse_is_an_outcome_without_a_number(swept):
     assert all(fast.failure.to_numpy() != "")
 
 
+def test_values_that_are_lists_stand_in_words(impact):
+    laws = [[[0.0, 0.0], [0.5, last]] for last in (4e5, 6e5)]
+    swept = wb.sweep(impact, {"striker.crush": laws}, ["single-dof"])
+    assert swept["striker.crush"].to_numpy().tolist() == [str(law) for law in laws]
+    assert swept.outcome.to_numpy().tolist() == [["ok", "ok"]]
+    with pytest.raises(InputError, match=r"striker.mass = \[nan\]: needs a value"):
+        wb.sweep(impact, {"striker.mass": [800.0, float("nan")]}, ["single-dof"])
+
+
 def test_processes_change_nothing(impact):
     over = {"striker.velocity": np.linspace(3.0, 9.0, 4)}
     pair = [wb.sweep(impact, over, MODELS, jobs=n) for n in (1, 2)]

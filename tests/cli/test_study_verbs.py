@@ -369,6 +369,9 @@ def test_report_hands_the_store_to_the_builder(
     assert (
         "No explorer: no answer of this study is a history or a curve." in capsys.readouterr().out
     )
+    monkeypatch.setattr("workbench.report.explorer.MOST_CELLS", 11)
+    assert run(["report", str(study_file), *where, "--format", "html"]) == 0
+    assert "No explorer: a browser does not hold 12 answers." in capsys.readouterr().out
 
 
 def test_an_unknown_kind_of_figure_stops_the_run_before_it_begins(

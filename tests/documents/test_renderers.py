@@ -7,6 +7,7 @@ import pytest
 from workbench.report.page.documents import Document, render_markdown
 from workbench.report.page.markdown import (
     ABSENT,
+    MOST_ROWS,
     Cell,
     PageColumn,
     Picture,
@@ -44,6 +45,9 @@ def test_a_table_of_records():
     assert TABLE.rows[0] == (Cell("a | b"), Cell("1.50", 1.5, "bad"), Cell("3", 3))
     assert TABLE.rows[1] == (Cell("c"), ABSENT, Cell("40", 40))
     assert Table.of("k", "", (PageColumn("x", of="text"),), [Cell("t")]).rows == ((Cell("t"),),)
+    long = Table.of("k", "All.", (PageColumn("x", of=str),), range(MOST_ROWS + 2))
+    assert len(long.rows) == MOST_ROWS
+    assert long.caption.endswith(f"{MOST_ROWS + 2} rows; the stored tables hold all.")
 
 
 def test_the_terminal_gets_aligned_columns_and_no_line_of_a_pipe_is_broken():

@@ -50,6 +50,7 @@ def test_five_hundred_disturbed_scenarios_mostly_reach_a_solver(tmp_path: Path) 
     assert reached >= 250
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("path", KEPT, ids=lambda path: path.stem)
 def test_what_ended_badly_once_does_so_no_more(path: Path, base: Path) -> None:
     assert replay(path, base).fault == ""

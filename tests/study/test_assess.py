@@ -331,6 +331,19 @@ def test_a_broken_level_shortens_the_ladder(toy_study: Study, tmp_path: Path) ->
     assert row["note"].startswith("middle: not-converged")
 
 
+def test_answers_that_memory_does_not_hold_are_read_again(
+    toy_study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run_study(toy_study, tmp_path, jobs=0)
+    whole = assess(toy_study, tmp_path)
+    monkeypatch.setattr("workbench.study.assessor.MOST", 0)
+    again = assess(toy_study, tmp_path)
+    assert (len(whole.responses), len(again.responses)) == (12, 0)
+    assert whole.verdicts == again.verdicts
+    for name, frame in whole.tables.items():
+        pd.testing.assert_frame_equal(again.tables[name], frame)
+
+
 def test_an_assessment_reads_the_store_only(
     toy_study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -269,29 +269,6 @@ def test_six_thousand_cells_are_assessed_in_ten_seconds(small: Study, tmp_path: 
     assert process_time() - begin <= 10.0
 
 
-@pytest.mark.thorough
-def test_a_finished_store_that_can_only_be_read_is_run_judged_and_reported(
-    small: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    written(small, tmp_path)
-    store = Store(tmp_path / "toy")
-    manifest = json.loads(store.manifest.read_text())
-    manifest["provenance"]["commit"] = "another"
-    store.manifest.write_bytes(canonical_json(manifest))
-    (store.directory / ".lock").unlink()
-    paths = sorted(store.directory.rglob("*"))
-    before = [path.stat().st_mtime_ns for path in paths]
-    for path in (*paths, store.directory):
-        path.chmod(0o555)  # in vain for root
-    monkeypatch.setattr(os, "access", lambda path, mode: not mode & os.W_OK)
-    assert run_study(small, tmp_path, jobs=0).answered == 0
-    assess(small, tmp_path)
-    assert sorted(store.directory.rglob("*")) == paths
-    assert [path.stat().st_mtime_ns for path in paths] == before
-    for path in (*paths, store.directory):
-        path.chmod(0o755)
-
-
 def no_parts(response: Response) -> Response:
     values = {"outcome": "collapse", "collapse": '{"mechanism": "geometry", "parts": 7}'}
     return response.drop_vars(list(response.variables)).assign_attrs(values)

@@ -120,8 +120,9 @@ def sweep(
     if cases is not None:
         values = {str(key): cases[key].tolist() for key in cases}
     for key, each in values.items():
-        if not each or any(value is None or value != value for value in each):
-            raise InputError(key, each[:1], "needs a value, in every row")
+        lacking = [value for value in each if value is None or value != value]
+        if not each or lacking:
+            raise InputError(key, lacking[:1], "needs a value, in every row")
     lengths = [len(each) for each in values.values()]
     count = int(np.prod(lengths, dtype=float)) if cases is None else len(cases)
     if not values or count > MOST:
@@ -151,7 +152,8 @@ def sweep(
     rows: pd.DataFrame = pd.concat(answers, ignore_index=True)
     if (rows[OUTCOME] == Outcome.INVALID_INPUT.value).all():
         _ = varied[0]  # says why
-    named = {key: (each, {"units": unit_at(given, key)}) for key, each in read.items()}
+    words = {k: [v if np.isscalar(v) else str(v) for v in each] for k, each in read.items()}
+    named = {key: (each, {"units": unit_at(given, key)}) for key, each in words.items()}
     if cases is None:
         crossed = {key: (key, *pair) for key, pair in named.items()}
         return _dataset(rows, {"model": names, **crossed}, named)

@@ -168,6 +168,7 @@ def report(
     from workbench.report.build import build_report
     from workbench.report.build import summary as write_summary
     from workbench.report.chapters.answer import in_brief
+    from workbench.report.explorer import MOST_CELLS
     from workbench.study import assess
 
     chosen = _chosen(study, quick)
@@ -187,7 +188,10 @@ def report(
     }
     shown = [in_brief(chosen, result), definitions(content["files"].items())]
     if "html" in files and "explorer" not in files:
-        shown.append(paragraph("No explorer: no answer of this study is a history or a curve."))
+        why = "no answer of this study is a history or a curve"
+        many = f"a browser does not hold {len(result.cells)} answers"
+        few = len(result.cells) <= MOST_CELLS
+        shown.append(paragraph(f"No explorer: {why if few else many}."))
     return Answer(content, tuple(shown))
 
 

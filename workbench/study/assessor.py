@@ -1,13 +1,12 @@
 """Assessing a stored study: tables of cells, comparisons, ladders and verdicts. Never simulates."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
-from itertools import chain
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 from math import nan
 from numbers import Real
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import pandas as pd
 
@@ -39,6 +38,7 @@ from workbench.study.definition import Study, varied_case
 from workbench.study.store import NOT_RUN, UNREADABLE, Record, Store
 from workbench.study.tables import (
     Columns,
+    GrowingTable,
     Row,
     Tables,
     counts,
@@ -51,8 +51,16 @@ from workbench.study.tables import (
     write_table,
 )
 from workbench.study.validation import validation
-from workbench.study.verdicts import gates, outside, references, verdict_table, verdicts_of
+from workbench.study.verdicts import (
+    REFERENCE_COLUMNS,
+    gates,
+    outside,
+    reference_row,
+    verdict_table,
+    verdicts_of,
+)
 
+K = TypeVar("K")
 ERROR = ("expected", "low", "high", "chance")  # of the error to expect, what cells hold
 _CELL = (
     texts("case", "label", "model")
@@ -97,7 +105,43 @@ _TABLES = (
     *("references", "validation", "matrix", "cost", "budget", "ranking"),
     *("error-cells", "coverage", "chooser"),
 )
+MOST = 3 * 10**7  # bytes of responses that an assessment keeps
 BEST = "the best reference"  # stands for the governing one of a case
+
+
+class Read(dict[str, Response]):
+    """Responses by key: as many as `MOST` bytes hold; others are read again when asked for."""
+
+    def __init__(self, store: Store) -> None:
+        super().__init__()
+        self.room, self.again = MOST, lru_cache(64)(store.response)
+
+    def kept(self, key: str, response: Response) -> str:
+        """The key of a response, which is kept as long as there is room."""
+        if self.room > 0 and key not in self:
+            self[key] = response
+            self.room -= response.nbytes
+        return key
+
+    def __missing__(self, key: str) -> Response:
+        return self.again(key)
+
+
+@dataclass(frozen=True)
+class Recalled(Mapping[K, Response]):
+    """Responses by what they answer, of which only the keys are held."""
+
+    key_of: Mapping[K, str]
+    read: Read
+
+    def __getitem__(self, what: K) -> Response:
+        return self.read[self.key_of[what]]
+
+    def __iter__(self) -> Iterator[K]:
+        return iter(self.key_of)
+
+    def __len__(self) -> int:
+        return len(self.key_of)
 
 
 @dataclass(frozen=True)
@@ -288,7 +332,7 @@ def assessment_of(study: Study, responses: Mapping[str, Response]) -> Assessment
     )
     tables = {
         "cells": table(cells, {**_CELL, **numbers(*SCALARS), **_DERIVED}),
-        "findings": _findings([answers]),
+        "findings": table(_finding_rows(answers), _FINDING),
         "comparisons": table((), {**texts("case"), **_COMPARISON}),
         "ladder": table((), {**_LADDER, **LADDER_COLUMNS}),
     }
@@ -313,47 +357,47 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
     for name in parameters:
         if name in {**_CELL, **_COMPARISON, **dict.fromkeys(SCALARS), "key": ""}:
             raise InputError("case.parameters", name, "is the name of a column", "rename it")
-    records: dict[str, Record] = {}
-    responses: dict[str, Response] = {}
     by_case: dict[str, dict[str, StudyCell]] = {case.name: {} for case in study.cases}
     for cell in cells:
         by_case.setdefault(cell.case, {})[cell.label] = cell
-        answer = None if cell.key in responses else store.answer(cell.key, cell.ingredients)
-        if answer is not None:
-            records[cell.key], responses[cell.key] = answer
-    answers = []
-    for case in study.cases:
-        of_case = by_case[case.name]
-        known = {n: responses[cell.key] for n, cell in of_case.items() if cell.key in responses}
-        answers.append(CaseAnswers(study, case, tuple(of_case), known))
-    rows = (
-        _cell_row(each, cell, records.get(cell.key))
-        for each in answers
-        for cell in by_case[each.case.name].values()
-    )
     scalars = numbers(*SCALARS, *map(width_of, study.quantities))
+    rows = GrowingTable({**_CELL, **parameters, **scalars, **_DERIVED})
+    found, governing = GrowingTable(_FINDING), GrowingTable(REFERENCE_COLUMNS)
+    comparisons = GrowingTable({**texts("case"), **parameters, **_COMPARISON})
+    ladders = GrowingTable({**_LADDER, **numbers(*study.steps), **LADDER_COLUMNS})
+    answers, read, runs = [], Read(store), dict[tuple[str, str], str]()
+    for case in study.cases:  # all that histories tell while they are at hand
+        of_case = by_case[case.name]
+        stored = {n: store.answer(c.key, c.ingredients) for n, c in of_case.items()}
+        both = {label: answer for label, answer in stored.items() if answer is not None}
+        records = {label: record for label, (record, _) in both.items()}
+        at_hand = {label: response for label, (_, response) in both.items()}
+        each = CaseAnswers(study, case, tuple(of_case), at_hand)
+        rows += (_cell_row(each, cell, records.get(n)) for n, cell in of_case.items())
+        found += _finding_rows(each)
+        governing += [best := reference_row(each)]
+        comparisons += comparison_rows(each, best.get("label"))
+        ladders += filter(None, (ladder_row(each, quantity) for quantity in study.quantities))
+        keys = {label: read.kept(of_case[label].key, r) for label, r in at_hand.items()}
+        answers.append(replace(each, responses=Recalled(keys, read)))
+        runs |= {(case.name, label): key for label, key in keys.items()}
     verdicts = verdicts_of(study, answers)
     tables = {
-        "cells": table(rows, {**_CELL, **parameters, **scalars, **_DERIVED}),
-        "findings": _findings(answers),
-        "references": references(answers),
-    }
-    comparisons = map(comparison_rows, answers, tables["references"]["label"])
-    ladders = (ladder_row(each, quantity) for each in answers for quantity in study.quantities)
-    steps = numbers(*study.steps)
-    tables |= {
-        "comparisons": table(chain(*comparisons), {**texts("case"), **parameters, **_COMPARISON}),
-        "ladder": table(filter(None, ladders), {**_LADDER, **steps, **LADDER_COLUMNS}),
+        "cells": rows.table,
+        "findings": found.table,
+        "references": governing.table,
+        "comparisons": comparisons.table,
+        "ladder": ladders.table,
         "gates": gates(verdicts),
         "verdicts": verdict_table(verdicts),
         "validation": validation(study, answers),
-        "budget": _budget(study, cells, responses),
+        "budget": _budget(study, Recalled(runs, read)),
     }
     tables |= derived_tables(study, tables)
     store.prepare()
-    for name, each in tables.items():
-        write_table(store.tables / name, each)
-    return Assessment(store.directory, study, tables, verdicts, responses)
+    for name, content in tables.items():
+        write_table(store.tables / name, content)
+    return Assessment(store.directory, study, tables, verdicts, read)
 
 
 def _parameters(study: Study) -> Columns:
@@ -377,13 +421,11 @@ def _cell_row(answers: CaseAnswers, cell: StudyCell, record: Record | None) -> R
     return {**row, **answers.case.parameters, **_widths(answers, cell.label)}
 
 
-@tabled(_FINDING)
-def _findings(answers: Sequence[CaseAnswers]) -> Iterator[Row]:
+def _finding_rows(answers: CaseAnswers) -> Iterator[Row]:
     """A row for every finding of an answer."""
-    for each in answers:
-        for label, response in each.responses.items():
-            who = {"case": each.case.name, "label": label, "model": each.study.models[label].name}
-            yield from ({**who, **finding.as_dict()} for finding in findings_of(response))
+    for label, response in answers.responses.items():
+        who = {"case": answers.case.name, "label": label, "model": answers.study.models[label].name}
+        yield from ({**who, **finding.as_dict()} for finding in findings_of(response))
 
 
 def numbers_of(response: Response, record: Record) -> Row:
@@ -423,11 +465,11 @@ def _widths(answers: CaseAnswers, label: str) -> Row:
 
 
 @tabled(_BUDGET)
-def _budget(
-    study: Study, cells: Sequence[StudyCell], read: Mapping[str, Response]
-) -> Iterator[Row]:
-    """A row for every term and sum of every budget, per label, form and quantity."""
-    runs = {(cell.case, cell.label): read[cell.key] for cell in cells if cell.key in read}
+def _budget(study: Study, runs: Mapping[tuple[str, str], Response]) -> Iterator[Row]:
+    """A row for every term and sum of every budget, per label, form and quantity.
+
+    Arguments: `runs`, answers by case and label.
+    """
     for budget in study.budgets:
         scenario: Any = next(case.scenario for case in study.cases if case.name == budget.case)
         names = {key: varied_case(budget.case, key) for key in budget.variations(scenario)}

@@ -45,14 +45,31 @@ def lists(*names: str) -> Columns:
     return dict.fromkeys(names)
 
 
+class GrowingTable:
+    """A typed table that grows by rows; None and what a row lacks are the default of its column."""
+
+    def __init__(self, columns: Mapping[str, Any]) -> None:
+        self.columns = columns
+        self.values: dict[str, list[Any]] = {name: [] for name in columns}
+
+    def __iadd__(self, rows: Iterable[Row]) -> "GrowingTable":
+        for row in rows:
+            for name, default in self.columns.items():
+                self.values[name].append(default if (value := row.get(name)) is None else value)
+        return self
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """The rows so far, as a table with these columns."""
+        types = {name: _TYPES[type(default)] for name, default in self.columns.items()}
+        return pd.DataFrame({n: pd.Series(self.values[n], dtype=kind) for n, kind in types.items()})
+
+
 def table(rows: Iterable[Row], columns: Mapping[str, Any]) -> pd.DataFrame:
-    """Rows as a typed table with these columns; None and what a row lacks are its default."""
-    listed = list(rows)
-    series = {}
-    for name, default in columns.items():
-        values = [default if (value := row.get(name)) is None else value for row in listed]
-        series[name] = pd.Series(values, dtype=_TYPES[type(default)])
-    return pd.DataFrame(series)
+    """Rows as a typed table with these columns."""
+    whole = GrowingTable(columns)
+    whole += rows
+    return whole.table
 
 
 def tabled(

@@ -85,7 +85,7 @@ def governing_of(answers: CaseAnswers) -> Governing | None:
     return best_outside
 
 
-def _reference_row(answers: CaseAnswers) -> Row:
+def reference_row(answers: CaseAnswers) -> Row:
     """The row of a case in the table of references, with the relative uncertainty of the peak."""
     row: dict[str, object] = {"case": answers.case.name}
     governing = governing_of(answers)
@@ -98,12 +98,6 @@ def _reference_row(answers: CaseAnswers) -> Row:
         width, value = of_side(answers, governing.label, PEAK)[0], float(response[PEAK])
         row["uncertainty"] = None if width is None or value == 0.0 else width / abs(value)
     return row
-
-
-@tabled(REFERENCE_COLUMNS)
-def references(answers: Sequence[CaseAnswers]) -> Iterator[Row]:
-    """A row for every case: the governing reference."""
-    yield from map(_reference_row, answers)
 
 
 def doubted(gate: Gate, answers: CaseAnswers, judged: CaseVerdict) -> CaseVerdict:

@@ -141,6 +141,7 @@ def test_wrong_distributions_are_refused_in_one_line(axial, message):
         '[["column.axial_load", "striker.velocity", 0.6]]',
         '[["column.axial_load", "striker.mass", 1.5]]',
         '[["column.axial_load", "striker.mass"]]',
+        "0.5",
         '[["column.axial_load", "striker.mass", 0.9], ["column.axial_load", "steel.yield_stress",'
         ' 0.9], ["steel.yield_stress", "striker.mass", -0.9]]',
     ],

@@ -159,7 +159,7 @@ def _factor(names: list[str], pairs: Any) -> Array:
     """Cholesky factor of the correlation of the normal scores."""
     correlation = np.eye(len(names))
     listed = pairs.get("pairs", []) if isinstance(pairs, Mapping) else None
-    if listed is None or (pairs and set(pairs) != {"pairs"}):
+    if not isinstance(listed, list) or (pairs and set(pairs) != {"pairs"}):
         text = 'must hold pairs = [["KEY", "KEY", 0.5], ...]'
         raise InputError(CORRELATION, pairs, text)
     for entry in listed:

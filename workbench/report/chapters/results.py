@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from workbench.base.tables import plain_rows
 from workbench.report.page.formatting import (
     axis_label,
     duration,
@@ -138,15 +139,19 @@ def _sampled(stored: Assessment, case: str, label: str, quantity: str) -> str:
     return f"{value} ({' to '.join(known)})" if known else value
 
 
+_SHAPE = ["case", "model", "quantity", "metric", "error", "uncertainty", "low", "high"]
+
+
 def _shapes(study: Study, stored: Assessment) -> Iterator[Table]:
     """Metrics of histories and curves against the reference."""
     for scope, word in ((Scope.HISTORY, "Histories"), (Scope.CURVE, "Curves")):
         metrics = [name for name, metric in METRICS.items() if metric.scope is scope]
         rows: dict[tuple[str, str, str], dict[str, dict[str, Any]]] = {}
-        for row in stored.records("comparisons", against=study.reference):
-            if row["metric"] in metrics:
-                key = row["case"], row["model"], row["quantity"]
-                rows.setdefault(key, {})[row["metric"]] = row
+        table = stored.tables["comparisons"]
+        table = table[(table["against"] == study.reference) & table["metric"].isin(metrics)]
+        for row in plain_rows(table[_SHAPE]):
+            key = row["case"], row["model"], row["quantity"]
+            rows.setdefault(key, {})[row["metric"]] = row
         if not rows:
             continue
         columns = (

@@ -64,6 +64,7 @@ from workbench.study.definition import Case, Study
 
 FILE = "explorer.html"
 LARGEST = 6_500_000  # bytes of a page, of which BokehJS takes 1.7 million
+MOST_CELLS = 5_000  # of a study that a browser can hold
 _HERE = Path(__file__).parent
 _DASHES = {"-": "solid", "--": "6 3", "-.": "7 2 2 2"}
 _DOTTED = "2 3"
@@ -76,11 +77,13 @@ Rows = list[dict[str, Any]]
 
 
 def explorer(study: Study, stored: Assessment, largest: int = LARGEST) -> str | None:
-    """HTML of the explorer from stored results, None for a study without histories or curves.
+    """HTML of the explorer from stored results; None without histories or curves, or of too many.
 
     `largest`, bytes that the page may take: curves are thinned until they fit, or are as rough as
     they may be. Equal stores give equal text.
     """
+    if len(stored.cells) > MOST_CELLS:
+        return None
     uncertain = any(hasattr(case.scenario, "structure") for case in study.cases)
     plane = FRAGILITIES if uncertain else HISTORIES
     cases = tuple(_cases(study, stored, plane))

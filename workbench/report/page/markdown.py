@@ -28,6 +28,7 @@ _LIGHT = re.compile(rf"(\[[@#]{KEY}\])|`([^`]+)`")
 _SIGNS = {sign: 0xE000 + sign for sign in range(128) if not chr(sign).isalnum()}
 _PRINTED = {place: sign for sign, place in _SIGNS.items()}
 _BREAK = re.compile(r"\s*\n\s*")
+MOST_ROWS = 5_000  # of a table on a page
 
 
 def coded(text: str) -> str:
@@ -209,7 +210,11 @@ class Table:
             from workbench.base.tables import plain_rows
 
             listing = plain_rows(listing)
-        rows = tuple(tuple(column.cell(record) for column in listed) for record in listing)
+        listing = list(listing)
+        if len(listing) > MOST_ROWS:
+            caption += f" The first {MOST_ROWS} of {len(listing)} rows; the stored tables hold all."
+        shown = listing[:MOST_ROWS]
+        rows = tuple(tuple(column.cell(record) for column in listed) for record in shown)
         heads = [replace(column, of="") for column in listed]
         if isinstance(columns, Mapping):
             cells = zip(*rows, strict=True) if rows else [()] * len(heads)
