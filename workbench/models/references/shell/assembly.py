@@ -30,7 +30,7 @@ class ShellAssembly(LumpedAssembly):
         self.mesh, self.supports, self.rate = mesh, supports, steel.rate
         hardening = steel.hardening_modulus or 0.0
         self.steel = SolidSteel(steel.elastic_modulus, POISSON_RATIO, steel.yield_stress, hardening)
-        self.size, self._gather = supports.unknowns, supports.tied.T.tocsr()
+        self.size = supports.unknowns
         self.displacement, self.velocity, self.load = np.zeros((3, self.size))
         self.nodal_mass = mass
         self.mass = np.asarray(supports.tied.T @ mass.ravel())
@@ -63,7 +63,7 @@ class ShellAssembly(LumpedAssembly):
         weight = np.zeros_like(self.nodal_mass)
         weight[:, 0] = np.cos(direction) * acceleration * self.nodal_mass[:, 0]
         weight[:, 1] = np.sin(direction) * acceleration * self.nodal_mass[:, 1]
-        self.load = self.load + self._gather @ weight.ravel()
+        self.load = self.load + self.supports.gathering @ weight.ravel()
 
     def resist(self, end: Array) -> Array:
         """Internal forces (unknowns,) at `end`, to which the state goes."""
@@ -75,7 +75,7 @@ class ShellAssembly(LumpedAssembly):
         if self.supports.plates:
             gathered = self.supports.gather(end, force.ravel())
         else:  # the same, without a transposed map every step
-            gathered = self._gather @ force.ravel()
+            gathered = self.supports.gathering @ force.ravel()
         stiffness, unstressed = self.spring
         gathered[self.head] += stiffness * (end[self.head] - unstressed)
         return gathered

@@ -626,7 +626,7 @@ def solid_column(
     mesh = solid_mesh(column, smallest, refinement)
     supports = supports_of(mesh, column.base, column.head)
     nodal = nodal_mass(mesh, column)
-    mass = np.asarray(supports.tied.T @ nodal)
+    mass = np.asarray(supports.gathering @ nodal)
     for plate in supports.plates:
         mass[plate.turn] = nodal[plate.vertical] @ plate.places**2
     mass[supports.head] += column.head_mass

@@ -10,6 +10,7 @@ nodes at X move by R(turn) X - X.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -146,7 +147,8 @@ class PlateMesh(NamedTuple):
     turn: int
 
 
-class Supports(NamedTuple):
+@dataclass(frozen=True)
+class Supports:
     """The map u(q): `tied` (dofs, unknowns), its linear part, and the `plates` of pinned ends.
 
     The last unknown is v, the one before it U.
@@ -154,6 +156,11 @@ class Supports(NamedTuple):
 
     tied: csr_array
     plates: tuple[PlateMesh, ...] = ()
+
+    @cached_property
+    def gathering(self) -> csr_array:
+        """Transpose of `tied`, made once: it takes longer than a product with it."""
+        return self.tied.T.tocsr()
 
     @property
     def unknowns(self) -> int:
@@ -181,7 +188,7 @@ class Supports(NamedTuple):
 
     def gather(self, q: Array, force: Array) -> Array:
         """Forces (unknowns,) of nodal forces (dofs,) at q: (du/dq)' f."""
-        gathered = np.asarray(self.tied.T @ force)
+        gathered = np.asarray(self.gathering @ force)
         for plate in self.plates:
             turn = q[plate.turn]
             across, along = force[plate.horizontal], force[plate.vertical]

@@ -172,7 +172,7 @@ class SolidPlaneStress(Declared, table="option"):
         if isinstance(scenario, ColumnImpact) and scenario.acceleration:
             weight = nodal_mass(solid.mesh, column) * scenario.acceleration
             weight[solid.mesh.dofs[:, 1::2]] = 0.0  # along the column
-            solid.load, solid.held = solid.load + solid.supports.tied.T @ weight, solid.held[:0]
+            solid.load, solid.held = solid.load + solid.supports.gathering @ weight, solid.held[:0]
         apply_loads(solid, tolerance=TOLERANCE, most_cuts=0, name="axial load")
         solid.held = np.array([head] if column.head == "fixed" else [], dtype=np.int64)
         if column.head != "fixed":
