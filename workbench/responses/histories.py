@@ -208,6 +208,7 @@ def residual_of(time: Array, displacement: Array, begin: int | None = 0) -> floa
         return None
     from workbench.responses.kernels import mean_of_cycles  # readers of responses need no compiler
 
+    time, displacement = np.ascontiguousarray(time), np.ascontiguousarray(displacement)
     mean = mean_of_cycles(time, displacement, begin)
     return None if isnan(mean) else float(mean)
 

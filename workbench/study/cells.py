@@ -23,7 +23,7 @@ from statistics import median
 from typing import Any
 
 import xarray as xr
-from numba.core.event import install_recorder
+from numba.core.event import install_timer
 from threadpoolctl import threadpool_limits
 
 from workbench.base.codec import label_of
@@ -157,6 +157,7 @@ def select(cells: list[StudyCell], pattern: str | None) -> list[StudyCell]:
 # A single call of a few milliseconds measures cold caches: quick cells give a median of calls.
 TIMED_OFTEN_BELOW, FURTHER_CALLS = 0.1, 4  # s
 READ_BELOW = 5.0  # s; of longer ones, what it takes to read kernels from the disk is nothing
+TIMED_WITHIN = 0.02  # of a time, what may be compilation
 
 
 @dataclass(frozen=True)
@@ -220,11 +221,12 @@ def _performed(
 ) -> tuple[Response, dict[str, Any]]:
     """The first of a kind may compile or read kernels: then a second call gives its time."""
     begin = time.perf_counter()
-    with install_recorder("numba:compile") as compilations:
+    with install_timer("numba:compile", lambda _: None) as compiling:
         response, trace = _answer(model, scenario)
     first = time.perf_counter() - begin
     kind = f"{type(model).__module__}.{type(model).__qualname__}/{scenario.KIND}"
-    again = kind not in warm and (first < READ_BELOW or bool(compilations.buffer))
+    compiled = compiling.duration if compiling.done else 0.0
+    again = kind not in warm and (first < READ_BELOW or compiled > TIMED_WITHIN * first)
     cold = again and first >= min(TIMED_AGAIN_BELOW, (task.limit or 1e9) / 3.0)
     timed = _answer(model, scenario)[0] if again and not cold else response
     warm.add(kind)

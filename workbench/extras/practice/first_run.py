@@ -18,8 +18,8 @@ from workbench.cli.output import Answer, Jobs, Names, processes, verb
 
 # of the first page and of the flagship: models of a group share kernels, the dearest come first
 GROUPS = (
-    *(("flexible-superelement",), ("fiber-reissner", "fiber-shear")),
-    *(("four-dof-shear", "four-dof"), ("solid-plane-stress",), ("fiber-corotational",)),
+    *(("flexible-superelement",), ("seven-dof",), ("four-dof-shear", "four-dof")),
+    *(("solid-plane-stress",), ("fiber-reissner", "fiber-shear"), ("fiber-corotational",)),
     ("single-dof", "energy-estimate", "biggs"),
 )
 Further = Annotated[Names, typer.Argument(metavar="[MODEL]...", help="Further models.")]
