@@ -381,6 +381,10 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
         keys = {label: read.kept(of_case[label].key, r) for label, r in at_hand.items()}
         answers.append(replace(each, responses=Recalled(keys, read)))
         runs |= {(case.name, label): key for label, key in keys.items()}
+    for cell in cells:  # variations of budgets, of cases that the study does not name
+        what = (cell.case, cell.label)
+        if what not in runs and (answer := store.answer(cell.key, cell.ingredients)):
+            runs[what] = read.kept(cell.key, answer[1])
     verdicts = verdicts_of(study, answers)
     tables = {
         "cells": rows.table,
