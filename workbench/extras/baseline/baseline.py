@@ -4,8 +4,6 @@ The plan, ``baselines.toml``, names scenarios and models; the table beside it be
 reasons of changes and has a line for every number. How a model ends is a number, too: `OUTCOME`.
 """
 
-import csv
-import io
 import re
 import tomllib
 from collections.abc import Iterator
@@ -14,9 +12,12 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from workbench.base.catalogue import datasets, load
 from workbench.base.datafiles import data_directory, open_input
 from workbench.base.errors import InputError
+from workbench.base.tables import records
 from workbench.extras.bench.cases import bench_directory, load_bench
 from workbench.models.base import Model, make_model, model_kind, model_names
 from workbench.models.superelements import ACCURACY  # of a peak: what steps leave open
@@ -90,7 +91,7 @@ def read_baselines(path: Path) -> tuple[list[str], Lines]:
     with open_input(path, "--table") as stream:
         text = stream.read().decode(errors="replace")
     reasons, lines = _REASON.findall(text), Lines()
-    for row in csv.DictReader(row for row in text.splitlines() if not row.startswith("#")):
+    for row in records(re.sub(r"(?m)^#.*\n", "", text)):
         try:
             sound = row["quantity"] == OUTCOME or isfinite(float(row["value"]))
             if not sound or set(row) != {*COLUMNS} or KEY(row) in lines:
@@ -139,12 +140,9 @@ def minted(reasons: list[str], before: Lines, now: Lines) -> bytes:
     """The table as a file, with what differs now for the last of the `reasons` (date and words)."""
     last = {"change": str(len(reasons))}
     lines = {KEY(line): line | last for _, line, _ in changes(before, now) if line}
-    text = io.StringIO()
-    text.writelines(f"# {number} {reason}\n" for number, reason in enumerate(reasons, 1))
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(lines.get(key) or before[key] for key in now)
-    return text.getvalue().encode()
+    head = "".join(f"# {number} {reason}\n" for number, reason in enumerate(reasons, 1))
+    table = pd.DataFrame([lines.get(key) or before[key] for key in now], columns=COLUMNS)
+    return (head + table.to_csv(index=False, lineterminator="\n")).encode()
 
 
 def of_other_versions() -> list[str]:

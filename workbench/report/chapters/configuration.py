@@ -6,12 +6,10 @@ import tomllib
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-import pandas as pd
-
 from workbench.base.catalogue import datasets
 from workbench.base.datafiles import data_directory
 from workbench.base.errors import OutOfDomainError
-from workbench.base.tables import plain_rows
+from workbench.base.tables import records
 from workbench.mechanics.frames.elastic import column_line
 from workbench.models.base import Model, options_of
 from workbench.report.chapters.results import sources_of_tests
@@ -232,9 +230,9 @@ def _short(value: Any) -> str:
     return str(value)
 
 
-def claims() -> list[dict[str, Any]]:
+def claims() -> list[dict[str, str]]:
     """Lines of the manual, texts by column: subjects, what is claimed, expected, computed, test."""
-    return plain_rows(pd.read_csv(data_directory() / "verification.csv", dtype=str))
+    return list(records((data_directory() / "verification.csv").read_text(encoding="utf-8")))
 
 
 def checks(study: Study, stored: Assessment) -> Markdown:
