@@ -194,7 +194,7 @@ def _jcss(path: str, name: Any) -> tuple[str, list[float], float]:
     if not rows:
         text = f"is known for {', '.join(JCSS)} only"
         raise InputError(f"{path}.jcss", name, text, "write the distribution itself")
-    if name not in rows:
+    if not isinstance(name, str) or name not in rows:
         raise InputError(f"{path}.jcss", name, f"must be one of {', '.join(rows)}")
     law, mean, sd = rows[name]
     return law, [mean, sd], JCSS_LOW.get(leaf, {}).get(name, -inf)
