@@ -30,7 +30,7 @@ def name_of(path: Path) -> str:
     return ".".join(parts).removesuffix(".__init__")
 
 
-CORE_MODULES, CORE_LINES = 217, 58_125
+CORE_MODULES, CORE_LINES = 217, 58_122
 NAMES = {name_of(path) for path in MODULES}
 
 

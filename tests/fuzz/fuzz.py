@@ -501,6 +501,7 @@ def main() -> None:
                 pipe, theirs = context.Pipe()
                 worker = context.Process(target=_serve, args=(theirs, base), daemon=True)
                 worker.start()
+                theirs.close()  # so that a worker that dies is noticed
             pipe.send(job)
             try:
                 late = Ending(None, f"no end after {PATIENCE:g} s", inf, 0)

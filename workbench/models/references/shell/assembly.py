@@ -33,7 +33,7 @@ class ShellAssembly(LumpedAssembly):
         self.size = supports.unknowns
         self.displacement, self.velocity, self.load = np.zeros((3, self.size))
         self.nodal_mass = mass
-        self.mass = np.asarray(supports.tied.T @ mass.ravel())
+        self.mass = np.asarray(supports.gathering @ mass.ravel())
         for plate in supports.plates:
             self.mass[plate.turn] = mass.ravel()[plate.vertical] @ plate.places**2
         self.held: Indices = np.zeros(0, dtype=np.int64)
@@ -72,10 +72,7 @@ class ShellAssembly(LumpedAssembly):
         force = np.zeros_like(nodal)
         place = self.mesh.place + nodal[:, :3]
         self._work = respond(self.mesh.shells, place, step, self.state, self.steel, force)
-        if self.supports.plates:
-            gathered = self.supports.gather(end, force.ravel())
-        else:  # the same, without a transposed map every step
-            gathered = self.supports.gathering @ force.ravel()
+        gathered = self.supports.gather(end, force.ravel())
         stiffness, unstressed = self.spring
         gathered[self.head] += stiffness * (end[self.head] - unstressed)
         return gathered
